@@ -3,6 +3,7 @@
 #   make                    programs and scenes into build/ (packages must be there: make deps)
 #   make run | check        install what is missing, build, and start the daemon | run all tests
 #   SCENE=FILE DEVICE=NAME RUN_FOR=SECONDS ARGS="…"   what make run shows, where, how long, and more options of quiltd
+#   WEB=1 (or a port)       make run also serves a page for a browser, and prints its URL
 #   make install            programs, man pages, completions, scenes, units, udev and polkit rules: PREFIX (/usr/local), DESTDIR
 #   make deb                Debian packages into build/deb, a folder that apt can use
 #   make check-distro       make run and make check in clean roots of Debian releases: DISTROS='bookworm trixie'; as root
@@ -271,9 +272,11 @@ jobs = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null
 .PHONY: deps $(front) clean help install
 deps:
 	@$(SRCDIR)/.ci/deps install build test
+# Ctrl-C is for quiltd alone: this make would call its end an error
 run:
 	@$(SRCDIR)/.ci/deps install build
-	@$(self) $(jobs) $@-now
+	@$(self) $(jobs) all
+	@trap '' INT; $(self) $@-now
 bench:
 	@$(SRCDIR)/.ci/deps install build bench
 	@$(self) $(jobs) $@-now
@@ -312,10 +315,10 @@ SCENE ?= $(if $(scene_copies),$(SRCDIR),$(BUILDROOT))/scenes/first-light.json
 DEVICE ?= sim:$(RUN)/sim
 run-now: all
 	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
-	@$(if $(filter sim:%,$(DEVICE)),echo 'images: $(abspath $(firstword $(subst $(comma), ,$(DEVICE:sim:%=%))))/panel.png (the panel)$(comma) view.png (as an eye sees it)$(comma) quilt.png (all views)')
+	@$(if $(filter sim:%,$(DEVICE)),echo 'images appear with the first frame: $(abspath $(firstword $(subst $(comma), ,$(DEVICE:sim:%=%))))/panel.png (the panel)$(comma) view.png (as an eye sees it)$(comma) quilt.png (all views)')
 	@echo 'control it with: $(abspath $(if $(links),$(BUILDROOT),$(O)))/quiltctl --socket $(call socket) status'
 	@$(O)/quiltd '$(SCENE)' --device '$(DEVICE)' --socket '$(call socket)' --state '$(RUN)/state' --export-dir '$(RUN)/export' \
-	 $(if $(RUN_FOR),--run-for $(RUN_FOR)) $(ARGS)
+	 $(if $(RUN_FOR),--run-for $(RUN_FOR)) $(if $(filter-out 0,$(WEB)),--web$(patsubst %,=%,$(filter-out 1,$(WEB)))) $(ARGS)
 # a socket's path has 107 bytes: the absolute one when it fits
 socket = $(shell p='$(abspath $(RUN))/sock'; if [ $${#p} -lt 108 ]; then echo "$$p"; else echo '$(RUN)/sock'; fi)
 

@@ -7,6 +7,8 @@ man_pages := $(call wild,docs/man/*.[1-9])
 to = $(INSTALL) -D -m $(1) $(2) $(DESTDIR)$(3)
 filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDIR)/systemd/$(1).in > $(O)/$(1)
 
+units := quiltd.service quiltd.socket quiltweb.service quiltweb.socket
+
 # what shells complete, written by the programs from their tables
 completed := quiltd quiltctl quiltrender quiltsim quiltbench quiltweb
 shells := bash zsh fish
@@ -27,11 +29,11 @@ install: all $(completions)
 	 $(call to,644,$(O)/completions/$$p.fish,$(DATADIR)/fish/vendor_completions.d/$$p.fish) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
 	@for f in scene.schema.json $(patsubst docs/%,%,$(call wild,docs/guide/*.md) $(call wild,docs/reference/*.md) $(call wild,docs/reference/formats/*.md) $(call wild,docs/reference/*.py) $(call wild,docs/guide/images/*) $(call wild,docs/developer/*.md) $(call wild,docs/developer/estimators/*.md)); do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
-	@$(call filled,quiltd.service) && $(call to,644,$(O)/quiltd.service,$(UNITDIR)/quiltd.service)
-	@$(call filled,quiltd.socket) && $(call to,644,$(O)/quiltd.socket,$(UNITDIR)/quiltd.socket)
+	@for u in $(units); do $(call filled,$$u) && $(call to,644,$(O)/$$u,$(UNITDIR)/$$u) || exit 1; done
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.sysusers,$(SYSUSERSDIR)/quiltd.conf)
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.tmpfiles,$(TMPFILESDIR)/quiltd.conf)
 	@$(call to,644,$(SRCDIR)/systemd/70-quiltd.rules,$(UDEVDIR)/70-quiltd.rules)
 	@$(call to,644,$(SRCDIR)/systemd/60-quiltd.polkit.rules,$(POLKITDIR)/60-quiltd.rules)
 	@echo 'installed below $(DESTDIR)$(PREFIX); now run as root: systemd-sysusers && systemd-tmpfiles --create && udevadm control --reload'
 	@echo 'and for the service: systemctl daemon-reload && systemctl enable --now quiltd; adduser NAME quiltd for each user who may control it'
+	@echo 'and for its page in a browser of this machine: systemctl enable --now quiltweb; cat /run/quiltweb/url'

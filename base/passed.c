@@ -24,7 +24,7 @@ typedef struct passed_file {
     pthread_mutex_t lock; /* protects copy */
     int copy;             /* a copy in memory; -1: none */
     uint64_t copied;      /* size of the copy */
-    int64_t size[3];      /* voxels of an array along x, y, z; 0: a file */
+    lf_array array;       /* n_axes 0: a file */
 } passed_file;
 
 struct lf_passed {
@@ -178,13 +178,14 @@ static lf_status check_path(const lf_passed *passed, const char *path, lf_error 
 }
 
 /* Checks a passed descriptor. O_PATH grants no read access: reopening would use the daemon's
- * rights. Writable descriptors are refused, since readers are not trusted. Only the kernel is asked
- * for the file type, so a hanging file system does not block. */
+ * rights. Writable descriptors are refused, since readers are not trusted, unless a seal prevents
+ * writing. Only the kernel is asked for the file type, so a hanging file system does not block. */
 static lf_status check_descriptor(const char *path, int fd, lf_error *err)
 {
     struct statx st;
-    const int flags = fcntl(fd, F_GETFL);
-    if (flags < 0 || (flags & O_PATH) != 0 || (flags & O_ACCMODE) != O_RDONLY)
+    const int flags = fcntl(fd, F_GETFL), seals = fcntl(fd, F_GET_SEALS);
+    const bool sealed = seals > 0 && (seals & F_SEAL_WRITE) != 0 && (flags & O_ACCMODE) == O_RDWR;
+    if (flags < 0 || (flags & O_PATH) != 0 || ((flags & O_ACCMODE) != O_RDONLY && !sealed))
         return lf_error_set(err, LF_E_ARG, path, "its descriptor must be open for reading only");
     if (statx(fd, "", AT_EMPTY_PATH | AT_STATX_DONT_SYNC, STATX_TYPE, &st) != 0 ||
         !S_ISREG(st.stx_mode))
@@ -246,43 +247,30 @@ static lf_status check_array_name(const lf_passed *passed, const char *name, lf_
 
 #define MOST_ARRAY_BYTES ((uint64_t)16 << 30) /* as of volume files */
 
-/* Bytes of float32 values; 0: more than a file can have, or no values. */
-static uint64_t bytes_of(const int64_t size[3])
-{
-    uint64_t n = sizeof(float);
-    for (int i = 0; i < 3; i++) {
-        if (size[i] < 1 || (uint64_t)size[i] > (uint64_t)INT64_MAX / n)
-            return 0;
-        n *= (uint64_t)size[i];
-    }
-    return n;
-}
-
 /* The seals make the size that was checked the size that is read, and keep the client from changing
  * values that were checked. */
-static lf_status check_array_file(const char *name, const int64_t size[3], int fd, lf_error *err)
+static lf_status check_array_file(const char *name, const lf_array *array, int fd, lf_error *err)
 {
     const int needed = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW, seals = fcntl(fd, F_GET_SEALS),
               flags = fcntl(fd, F_GETFL);
+    const uint64_t bytes = lf_array_bytes(array);
     struct stat st;
+    char words[LF_ARRAY_TEXT];
     if (seals < 0 || (seals & needed) != needed || fstat(fd, &st) != 0)
         return lf_error_set(err, LF_E_ARG, name,
                             "its descriptor must be a memory file (memfd_create) with the seals "
                             "F_SEAL_WRITE, F_SEAL_SHRINK and F_SEAL_GROW");
     if (flags < 0 || (flags & O_ACCMODE) == O_WRONLY)
         return lf_error_set(err, LF_E_ARG, name, "its descriptor must be open for reading");
-    if (bytes_of(size) == 0)
+    if (bytes == 0)
         return lf_error_set(err, LF_E_ARG, name,
                             "its shape has a length below 1, or more values than a file can hold");
-    if (bytes_of(size) > MOST_ARRAY_BYTES)
+    if (bytes > MOST_ARRAY_BYTES)
         return lf_error_set(err, LF_E_ARG, name, "its values have more than %d GiB",
                             (int)(MOST_ARRAY_BYTES >> 30));
-    if ((uint64_t)st.st_size != bytes_of(size))
-        return lf_error_set(err, LF_E_ARG, name,
-                            "its file has %jd bytes; float32 values of shape [%jd, %jd, %jd] have "
-                            "%ju",
-                            (intmax_t)st.st_size, (intmax_t)size[2], (intmax_t)size[1],
-                            (intmax_t)size[0], (uintmax_t)bytes_of(size));
+    if ((uint64_t)st.st_size != bytes)
+        return lf_error_set(err, LF_E_ARG, name, "its file has %jd bytes; %s have %ju",
+                            (intmax_t)st.st_size, lf_array_text(array, words), (uintmax_t)bytes);
     /* Reading a hole through a mapping would take memory that its sender never had to have. */
     if ((uint64_t)st.st_blocks * 512 < (uint64_t)st.st_size)
         return lf_error_set(err, LF_E_ARG, name,
@@ -290,34 +278,37 @@ static lf_status check_array_file(const char *name, const int64_t size[3], int f
     return LF_OK;
 }
 
-lf_status lf_passed_add_array(lf_passed *passed, const char *name, const int64_t size[3], int fd,
+lf_status lf_passed_add_array(lf_passed *passed, const char *name, const lf_array *array, int fd,
                               lf_error *err)
 {
     passed_file *file;
     lf_status status = check_array_name(passed, name, err);
     if (status == LF_OK)
-        status = check_array_file(name, size, fd, err);
+        status = check_array_file(name, array, fd, err);
     if (status == LF_OK)
         status = add(passed, name, fd, &file, err);
     if (status == LF_OK)
-        memcpy(file->size, size, sizeof file->size);
+        file->array = *array;
     return status;
 }
 
-lf_status lf_passed_open_array(lf_passed *passed, const char *name, int64_t out_size[3],
-                               int *out_fd, lf_error *err)
+lf_status lf_passed_open_array(lf_passed *passed, const char *name, const lf_array *wanted,
+                               lf_array *out, int *out_fd, lf_error *err)
 {
     const int i = strchr(name, '/') ? -1 : find_name(passed, name);
+    char is[LF_ARRAY_TEXT], needs[LF_ARRAY_TEXT];
     if (i < 0)
-        return lf_error_set(
-            err, LF_E_IO, name,
-            "no array of this name was passed; pass it in \"arrays\" of scene.load");
+        return lf_error_set(err, LF_E_IO, name,
+                            "no array of this name was passed; pass it in \"arrays\" of the call");
     const passed_file *file = passed->file[i];
     atomic_store(&passed->opened[i], true);
+    if (wanted && !lf_array_is(&file->array, wanted))
+        return lf_error_set(err, LF_E_FORMAT, name, "the array has %s; expected %s",
+                            lf_array_text(&file->array, is), lf_array_text(wanted, needs));
     const int fd = fcntl(file->fd, F_DUPFD_CLOEXEC, 0);
     if (fd < 0)
         return lf_error_set(err, LF_E_IO, name, "cannot open: %s", lf_errno_text(errno));
-    memcpy(out_size, file->size, sizeof file->size);
+    *out = file->array;
     *out_fd = fd;
     return LF_OK;
 }

@@ -10,14 +10,15 @@
  * One thread builds a list; once it is complete, any thread may open its files. Reading may wait
  * for the client's file system: do not call it on a thread that must not wait.
  *
- * A list also holds arrays: sealed memory files (memfd_create) of float32 values in native byte
- * order. An array is found by its name in scenes, which is not a path. Its file can no longer
- * change, so it is read where it is. */
+ * A list also holds arrays (base/array.h) in sealed memory files (memfd_create). An array is found
+ * by its name in scenes, which is not a path. Its file can no longer change, so it is read where it
+ * is. */
 #ifndef LF_BASE_PASSED_H
 #define LF_BASE_PASSED_H
 
 #include <stdint.h>
 
+#include "base/array.h"
 #include "base/status.h"
 
 #define LF_MAX_PASSED 64                       /* files and arrays, per call and per scene */
@@ -31,16 +32,16 @@ lf_passed *lf_passed_create(void);
 /* Adds a file by its name in scenes: an absolute path without ".", ".." or empty parts, and without
  * a frame number field. On LF_OK ownership of fd is taken, otherwise it stays the caller's. Never
  * waits for a file system. LF_E_ARG: another kind of name, a name already present, too many files,
- * or fd is not a regular file opened read-only; LF_E_BUSY: the process holds LF_MAX_PASSED_ALL;
+ * or fd is not a regular file that only can be read: opened so, or a memory file sealed against
+ * writing; LF_E_BUSY: the process holds LF_MAX_PASSED_ALL;
  * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *err);
-/* Adds an array of size[0] x size[1] x size[2] voxels along x, y and z, x fastest. name: 1 to
- * LF_MAX_ARRAY_NAME bytes without a slash. fd as above; asks only the kernel, never reads.
- * LF_E_ARG: another kind of name, a name already present, too many, a size below 1 or a file of
- * another size, not sealed against writing, shrinking and growing, or not readable; LF_E_BUSY and
- * LF_E_NOMEM as above. */
+/* Adds an array. name: 1 to LF_MAX_ARRAY_NAME bytes without a slash. fd as above; asks only the
+ * kernel, never reads. LF_E_ARG: another kind of name, a name already present, too many, a length
+ * below 1, or a file that has another size, is not sealed against writing, shrinking and growing,
+ * or is not readable; LF_E_BUSY and LF_E_NOMEM as above. */
 LF_NODISCARD lf_status lf_passed_add_array(lf_passed *passed, const char *name,
-                                           const int64_t size[3], int fd, lf_error *err);
+                                           const lf_array *array, int fd, lf_error *err);
 #define LF_MAX_ARRAY_NAME 128
 /* A list of the files and arrays of both; `newer` wins if a name is in both. Either may be NULL. If
  * there are too many, drops files of `older` that nobody has opened since that list was made.
@@ -62,11 +63,13 @@ bool lf_passed_has(const lf_passed *passed, const char *path);
 LF_NODISCARD lf_status lf_passed_open(lf_passed *passed, const char *path, int *out_fd,
                                       lf_error *err);
 
-/* Takes the array of this name: its voxels along x, y and z, and a descriptor of its file, which
- * the caller owns (O_CLOEXEC). Its offset is shared, so it must not be read there. LF_E_IO, also if
- * no such array was passed (passed may be NULL). */
+/* Takes the array of this name: its shape, and a descriptor of its file, which the caller owns
+ * (O_CLOEXEC). Its offset is shared, so it must not be read there. LF_E_IO, also if no such array
+ * was passed (passed may be NULL); LF_E_FORMAT: it has not the type and shape of `wanted`
+ * (lf_array_is; NULL: any). */
 LF_NODISCARD lf_status lf_passed_open_array(lf_passed *passed, const char *name,
-                                            int64_t out_size[3], int *out_fd, lf_error *err);
+                                            const lf_array *wanted, lf_array *out, int *out_fd,
+                                            lf_error *err);
 
 /* From now on copying stops when stopped() returns true; it is polled. Thread: any. */
 void lf_passed_stop_when(bool (*stopped)(void));

@@ -5,6 +5,26 @@
 #include <signal.h>
 #include <spawn.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+lf_status lf_find_program(const char *name, const char *first, char path[PATH_MAX], lf_error *err)
+{
+    char own[PATH_MAX] = "", places[2][PATH_MAX + 32];
+    ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+    char *last = n > 0 ? strrchr(own, '/') : own;
+    *last = '\0';
+    snprintf(places[0], sizeof places[0], "%s", first ? first : own);
+    snprintf(places[1], sizeof places[1], "%s/../libexec/quiltd", own);
+    for (int i = 0; i < 2; i++)
+        if (snprintf(path, PATH_MAX, "%s/%s", places[i], name) < PATH_MAX &&
+            access(path, X_OK) == 0)
+            return LF_OK;
+    return lf_error_set(err, LF_E_IO, name,
+                        "the program is missing in %s and %s; install quiltd again", places[0],
+                        places[1]);
+}
 
 static int place_descriptors(posix_spawn_file_actions_t *actions, const int fds[], int n)
 {

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/sandbox/raster.h"
 #include "quilt/photo.h"
 
 #define MAX_FOLDER_VIEWS 4096
@@ -117,7 +116,8 @@ static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo 
         return lf_error_set(err, LF_E_FORMAT, path, "%dx%d pixels are too few for %dx%d views",
                             p->width, p->height, l->columns, l->rows);
     const int width = p->width / l->columns, height = p->height / l->rows;
-    l->n_views = l->columns * l->rows;
+    if (l->n_views == 0)
+        l->n_views = l->columns * l->rows;
     l->view_width = width;
     l->view_height = height;
     if (photo->aspect > 0)
@@ -131,6 +131,33 @@ static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo 
     for (int view = 0; view < l->n_views && status == LF_OK; view++)
         take_view(q, view, p, view % l->columns * width,
                   p->height - (view / l->columns + 1) * height, orientation);
+    return status;
+}
+
+lf_status lf_quilt_tiles_check(const lf_quilt_tiles *tiles, int width, int height,
+                               const char *where, lf_error *err)
+{
+    return width % tiles->columns == 0 && height % tiles->rows == 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_ARG, where,
+                              "%dx%d tiles do not divide %dx%d pixels; expected a width and height "
+                              "that are multiples of columns and rows",
+                              tiles->columns, tiles->rows, width, height);
+}
+
+lf_status lf_quilt_cut(const lf_raster *picture, const char *name, const lf_quilt_tiles *tiles,
+                       const lf_photo *photo, lf_quilt_file *out, lf_error *err)
+{
+    lf_quilt_file q = {
+        .layout = {.columns = tiles->columns, .rows = tiles->rows, .n_views = tiles->n_views}};
+    if (lf_quilt_tiles_check(tiles, picture->width, picture->height, name, err) != LF_OK)
+        return LF_E_FORMAT;
+    lf_status status = cut_quilt(name, picture, photo, &q, err);
+    lf_image_note_lines(&q.notes, picture->meta.notes.text, picture->meta.notes.length);
+    if (status == LF_OK)
+        *out = q;
+    else
+        lf_quilt_finish(&q);
     return status;
 }
 
@@ -148,13 +175,29 @@ static lf_status refuse_name(const char *path, lf_error *err)
                         "--quilt COLUMNSxROWS (scene.load: quilt), 1x1 for one view");
 }
 
+/* Notes that a requested layout fits neither the name (0: says none) nor the image. */
+static void note_layout(lf_quilt_file *q, int named_columns, int named_rows, const lf_raster *p)
+{
+    const lf_layout *l = &q->layout;
+    const int beside = p->width % l->columns, above = p->height % l->rows;
+    if (named_columns > 0 && (named_columns != l->columns || named_rows != l->rows))
+        lf_image_note(&q->notes, "is cut into %dx%d views, but its name says %dx%d", l->columns,
+                      l->rows, named_columns, named_rows);
+    if (beside > 0 || above > 0)
+        lf_image_note(&q->notes,
+                      "%dx%d pixels are no multiple of %dx%d views; %d columns at the right and %d "
+                      "rows at the top are left out",
+                      p->width, p->height, l->columns, l->rows, beside, above);
+}
+
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
                             const lf_photo *photo, lf_quilt_file *q, lf_error *err)
 {
     int named_columns = 0, named_rows = 0;
     double aspect = 0;
     bool named = lf_layout_from_name(path, &named_columns, &named_rows, &aspect);
-    if (columns <= 0 || rows <= 0) {
+    const bool is_requested = columns > 0 && rows > 0;
+    if (!is_requested) {
         if (!named)
             return refuse_name(path, err);
         columns = named_columns;
@@ -165,6 +208,8 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     lf_status status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, photo, q, err);
+    if (status == LF_OK && is_requested)
+        note_layout(q, named_columns, named_rows, &p);
     lf_image_note_lines(&q->notes, p.meta.notes.text, p.meta.notes.length);
     lf_raster_close(&p);
     return status;

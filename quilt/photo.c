@@ -198,11 +198,24 @@ lf_status lf_photo_draw(const lf_photo_picture *p, const lf_photo_place *place,
     return status;
 }
 
+static lf_status shrink(const lf_photo_picture *picture, int width, int height, uint8_t *out8,
+                        float *out32)
+{
+    const lf_photo_place whole = {.width = 1, .height = 1};
+    const lf_layout to = {.view_width = width, .view_height = height, .aspect = 1};
+    return lf_photo_draw(picture, &whole, &to, 0, out8, out32);
+}
+
 lf_status lf_view_shrink(const lf_views8 *views, int view, int width, int height, uint8_t *out)
 {
     const lf_photo_picture picture = {views->width, views->height, 1, lf_views8_row(views, view, 0),
                                       NULL};
-    const lf_photo_place whole = {.width = 1, .height = 1};
-    const lf_layout to = {.view_width = width, .view_height = height, .aspect = 1};
-    return lf_photo_draw(&picture, &whole, &to, 0, out, NULL);
+    return shrink(&picture, width, height, out, NULL);
+}
+
+lf_status lf_view_shrink32(const lf_views32 *views, int view, int width, int height, float *out)
+{
+    const lf_photo_picture picture = {views->width, views->height, 1, NULL,
+                                      lf_views32_row(views, view, 0)};
+    return shrink(&picture, width, height, NULL, out);
 }

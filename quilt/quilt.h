@@ -15,6 +15,7 @@
 #include "base/image.h"
 #include "base/image_io.h"
 #include "base/param.h"
+#include "base/sandbox/raster.h"
 #include "base/thread.h"
 
 /* ------------------------------------------------------------------------------------ layout -- */
@@ -228,7 +229,8 @@ typedef struct lf_quilt_file {
 /* True when path names a picture (PNG, JPEG, EXR by contents) or a folder, and not a scene. */
 bool lf_is_quilt(const char *path, const lf_roots *roots);
 /* Reads a quilt or a folder of views. columns, rows 0 = from the name (LF_E_ARG if it has none).
- * Padding at right and top is skipped; every tile is a view. The aspect is that of the name,
+ * Padding at right and top is skipped; every tile is a view. A note says if columns and rows differ
+ * from the name, or leave out pixels. The aspect is that of the name,
  * otherwise that of a tile, with the pixel shape given in the file.
  *
  * A folder: its pictures (by ending, not hidden) in name order, all of one kind, at most 4096.
@@ -240,6 +242,20 @@ LF_NODISCARD lf_status lf_quilt_read_photo(const char *path, const lf_roots *roo
                                            lf_error *err);
 LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
                                      lf_quilt_file *out, lf_error *err);
+/* Tiles of a picture that is no file by name. */
+typedef struct lf_quilt_tiles {
+    int columns, rows; /* 1..LF_MAX_TILES */
+    int n_views;       /* 1..columns * rows; the tiles behind the last view are unused */
+} lf_quilt_tiles;
+/* LF_E_ARG: the tiles do not divide a picture of this size; err names `where`. */
+LF_NODISCARD lf_status lf_quilt_tiles_check(const lf_quilt_tiles *tiles, int width, int height,
+                                            const char *where, lf_error *err);
+/* Cuts a picture, whose pixels are copied, into views. The aspect is photo's (which is not NULL),
+ * otherwise that of a tile with the pixel shape given in the file. name: of the picture, for
+ * errors. LF_E_FORMAT, also as lf_quilt_tiles_check; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_quilt_cut(const lf_raster *picture, const char *name,
+                                    const lf_quilt_tiles *tiles, const lf_photo *photo,
+                                    lf_quilt_file *out, lf_error *err);
 /* With LF_PHOTO_FILL and a frame: cuts the views to its aspect, in whole pixels, and notes it. */
 void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt);
 void lf_quilt_finish(lf_quilt_file *quilt);
@@ -248,6 +264,9 @@ void lf_quilt_finish(lf_quilt_file *quilt);
  * out is [height][width][3]. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_view_shrink(const lf_views8 *views, int view, int width, int height,
                                       uint8_t *out);
+/* The same for float views. */
+LF_NODISCARD lf_status lf_view_shrink32(const lf_views32 *views, int view, int width, int height,
+                                        float *out);
 /* Row y, from the top, of the quilt that lf_quilt_write_png writes: layout->columns times the
  * views' width, 3 bytes per pixel. */
 void lf_quilt_row8(const lf_views8 *views, const lf_layout *layout, int y, uint8_t *out);

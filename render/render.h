@@ -64,6 +64,9 @@ typedef struct lf_alone {
 } lf_alone;
 /* Its options and scene keys. */
 extern const lf_param lf_alone_params[];
+/* What a file is that can be shown without a scene, by its ending: "model" or "volume"; NULL:
+ * neither. */
+const char *lf_alone_kind(const char *path);
 
 /* Loads a scene file (JSON, at most 16 MiB) and the files that it includes. Paths in it are
  * relative to its folder and must be below roots (NULL or empty: anywhere). The scene's own folder
@@ -449,9 +452,9 @@ const lf_layer_entry *lf_layer_at(int index);
  * order of the table. */
 int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNELS]);
 /* Computes these layers into out [row][view][column][channels], on the pool. A row without visits
- * has the depth and coverage of the nearest visited row, and 0 for variance and samples. A film
- * without any visit gives 0. LF_E_STATE: depth of a film without features. LF_E_CANCELLED. Thread
- * and time as lf_renderer_resolve. */
+ * has the depth and coverage of the nearest visited row, and 0 for variance and samples. So has a
+ * pixel of which a provisional row knows nothing. A film without any visit gives 0. LF_E_STATE:
+ * depth of a film without features. LF_E_CANCELLED. Thread and time as lf_renderer_resolve. */
 LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator,
                                           unsigned layers, float *out, const lf_cancel *cancel);
 /* One row [view][column][channels]. Thread as lf_renderer_resolve_row. Layers that cost as much as

@@ -29,7 +29,7 @@ missing() {
         share/quiltd/scenes/first-light.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 share/man/man1/quiltsim.1 share/man/man1/quiltweb.1 \
         share/bash-completion/completions/quilt{d,ctl,render,sim,bench,web} share/zsh/vendor-completions/_quilt{d,ctl,render,sim,bench,web} \
         share/fish/vendor_completions.d/quilt{d,ctl,render,sim,bench,web}.fish \
-        lib/systemd/system/quiltd.service lib/systemd/system/quiltd.socket lib/sysusers.d/quiltd.conf \
+        lib/systemd/system/quiltd.{service,socket} lib/systemd/system/quiltweb.{service,socket} lib/sysusers.d/quiltd.conf \
         lib/tmpfiles.d/quiltd.conf lib/udev/rules.d/70-quiltd.rules share/polkit-1/rules.d/60-quiltd.rules; do
         [ -s "$prefix/$f" ] || echo "$f"
     done
@@ -110,14 +110,29 @@ staged() {
 report "DESTDIR is where, PREFIX is what for" "$(staged)"
 
 if command -v systemd-analyze > /dev/null 2>&1; then
-    units=("$prefix/lib/systemd/system/quiltd.service" "$prefix/lib/systemd/system/quiltd.socket")
-    report "systemd accepts the units" "$(systemd-analyze verify --man=no "${units[@]}" 2>&1 | grep -i quiltd)"
-    exposure=$(systemd-analyze security --offline=true "${units[0]}" 2> /dev/null | sed -n 's/.*exposure level[^:]*: \([0-9.]*\).*/\1/p')
-    report "the service is hardened" "$(awk -v e="$exposure" 'BEGIN { if (e == "" || e > 2.0) print "exposure " e ", expected at most 2.0" }')"
+    units=("$prefix"/lib/systemd/system/quilt{d,web}.{service,socket})
+    report "systemd accepts the units" "$(systemd-analyze verify --man=no "${units[@]}" 2>&1 | grep -i quilt)"
+    hardened() { # unit, most exposure
+        systemd-analyze security --offline=true "$prefix/lib/systemd/system/$1" 2> /dev/null | sed -n 's/.*exposure level[^:]*: \([0-9.]*\).*/\1/p' |
+            awk -v most="$2" '{ n++; if ($1 > most) print "exposure " $1 ", expected at most " most } END { if (n != 1) print "no exposure was told" }'
+    }
+    report "the service is hardened" "$(hardened quiltd.service 2.0)"
+    report "the gateway to browsers is hardened more" "$(hardened quiltweb.service 1.0)"
+    report "too much exposure would be seen" "$(hardened quiltd.service 0.1 | grep -q expected || echo 'not seen')"
 else
-    skip "systemd accepts the units" "no systemd-analyze"
-    skip "the service is hardened" "no systemd-analyze"
+    for words in "systemd accepts the units" "the service is hardened" "the gateway to browsers is hardened more" "too much exposure would be seen"; do
+        skip "$words" "no systemd-analyze"
+    done
 fi
+# Browsers reach it: what its unit must not lose, whatever the sum of its other lines is.
+closed() {
+    local line
+    for line in DynamicUser=yes Group=quiltd PrivateNetwork=yes PrivateDevices=yes IPAddressDeny=any IPAddressAllow=localhost RestrictAddressFamilies=AF_UNIX ProtectSystem=strict MemoryMax=3G; do
+        grep -qxF "$line" "$prefix/lib/systemd/system/quiltweb.service" || echo "no $line"
+    done
+    grep '^ListenStream=' "$prefix/lib/systemd/system/quiltweb.socket" | grep -vxE 'ListenStream=(127\.0\.0\.1|\[::1\]):8033'
+}
+report "the gateway's units keep it on this machine" "$(closed)"
 if command -v groff > /dev/null 2>&1; then
     report "groff accepts the man pages" "$(for m in "$prefix"/share/man/man*/*.[1-9]; do groff -ww -Tutf8 -man "$m" 2>&1 > /dev/null; done)"
 else

@@ -1,5 +1,5 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables gateway
+test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables gateway wire
 # What a module's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics pictures quilt base
@@ -19,8 +19,13 @@ fuzz_libs_rpc := $(filter-out tools model,$(libraries))
 fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
 fuzz_libs_mesh := meshes render base
+fuzz_libs_mesh_arrays := $(fuzz_libs_mesh)
 fuzz_libs_gltf := meshes render base
 fuzz_libs_instances := meshes render base
+fuzz_libs_http := web wire base
+fuzz_libs_gateway := web wire base
+fuzz_libs_ws := web base
+$(foreach t,http gateway ws,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
@@ -52,7 +57,7 @@ scene_files_srcs := tests/scene_file.c
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/import/reader/%.c,input words source_material soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read instances_read) \
+meshes_srcs := $(patsubst %,render/import/reader/%.c,input words source_material soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read arrays_read instances_read) \
  $(call wild,render/import/reader/gltf_*.c) render/import/reader/draco_read.cc
 
 # a kernel with displays
@@ -62,6 +67,9 @@ kms_srcs := tests/device/fake_kms.c
 tables_srcs := $(call wild,tests/docs/tables*.c)
 $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(patsubst %,lib%.a,tables $(libraries)))
 	$(call link,)
+
+# what the gateway calls of the server
+wire_srcs := $(call wild,daemon/wire/*.c)
 
 # a gateway with a quiltd that does not exist
 gateway_srcs := tests/web/gateway.c tests/web/caller.c
@@ -97,13 +105,14 @@ wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
 
 # a clock of the test's own
 wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
+wrap_test_playlist := $(wrap_test_play)
 
 # a display, an EEPROM and a udev of the test's own
 wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \
  $(addprefix sd_device_,monitor_attach_event monitor_start get_action get_subsystem get_devnum get_property_value))
 
 # a panel, its buttons and a list of devices of the test's own
-wrap_test_show := $(addprefix -Wl$(comma)--wrap=,lf_device_open lf_device_list lf_find_hid pthread_join \
+wrap_test_show := $(addprefix -Wl$(comma)--wrap=,lf_device_open lf_device_list lf_find_hid lf_find_all pthread_join \
  lf_buttons_open lf_buttons_destroy lf_buttons_poll_fd lf_buttons_next)
 
 # a file that is replaced once its digest is taken

@@ -4,9 +4,12 @@ set -u
 src=$(cd "${QUILTD_SOURCE:-.}" && pwd)
 # shellcheck source=tests/report.sh
 . "$src/tests/report.sh"
+# shellcheck source=tests/node_modules.sh
+. "$src/tests/node_modules.sh"
 
-if ! command -v node > /dev/null || ! node -e 'process.exit(process.versions.node.split(".")[0] < 18 ? 1 : 0)'; then
-    skip "the modules of the page" "there is no node of version 18 or later"
+why=$(node_missing 18)
+if [ -n "$why" ]; then
+    skip "the modules of the page" "$why"
     end
 fi
 top=$(mktemp -d)

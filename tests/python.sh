@@ -10,6 +10,9 @@ if ! command -v python3 > /dev/null; then
     skip "the client in Python" "there is no python3"
     end
 fi
+# The package python3-numpy is for the system's Python, which may not be the first one of PATH.
+python=python3
+! /usr/bin/python3 -c 'import numpy' 2> /dev/null || python=/usr/bin/python3
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
 export QUILTD_BUILD=$out PYTHONPATH=$src/clients/python PYTHONDONTWRITEBYTECODE=1
@@ -31,7 +34,7 @@ for file in "$src"/clients/python/tests/test_*.py; do
     module=${file##*/}
     module=${module%.py}
     before=$failed
-    (cd "$src/clients/python/tests" && python3 -m unittest -v "$module") > "$top/log" 2>&1 < /dev/null
+    (cd "$src/clients/python/tests" && "$python" -m unittest -v "$module") > "$top/log" 2>&1 < /dev/null
     results "$top/log" $? "$module"
 done
 end

@@ -87,9 +87,9 @@ daemon/threads:
 daemon/output:
 daemon/engine: daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/parts: daemon/output/content.h daemon/output/preview.h daemon/engine daemon/threads daemon/wire
+daemon/parts: daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
-daemon/tools: daemon/output daemon/wire daemon/server
+daemon/tools: daemon/output daemon/wire daemon/server daemon/parts/doctor.h
 daemon/web: daemon/output/options.h daemon/wire
 base:
 base/sandbox: base
@@ -220,6 +220,12 @@ listed_tests_are_there() {
     done < "$1/.ci/repeated"
 }
 
+# The newest commits, where the history is there: a subject fits into 72 characters.
+long_commit_subjects() {
+    GIT_CEILING_DIRECTORIES=$(dirname "$(realpath "$1")") git -C "$1" log -20 --no-merges --format='%h %s' 2> /dev/null |
+        awk 'length(substr($0, index($0, " ") + 1)) > 72'
+}
+
 # Arrows that modules of render/ must not have: a folder, and a header that nothing in it may include.
 forbidden() {
     cat << 'END'
@@ -279,6 +285,9 @@ make_breaches() {
     touch "$1/tests/scenes/nobody.json"
     printf 'render/bad.c  a line that is not there\n- h();\n+ i();\n! render/test_bad\n' > "$1/tests/mutants/render.txt"
     printf 'assert_true(1);\n' > "$1/tests/quilt/test_bad.c"
+    git -C "$1" init -q
+    git -C "$1" add -A
+    git -C "$1" -c user.name=x -c user.email=x@localhost commit -q --allow-empty -m "$(printf '%073d' 0)"
     printf '# Page\n\n| part | sections |\n|---|---|\n| one | [here](#here) [away](away.md) |\n\n## Hier (`x.c`)\n' > "$1/page.md"
 }
 
@@ -294,7 +303,7 @@ done | sort > "$breaches/.forbidden"
 report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
 for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones modules_apart \
     includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside layers_in_a_circle folders_in_no_row upward_includes includes_of_private_headers \
-    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there scenes_of_no_test links_that_lead_nowhere sections_in_no_map; do
+    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there scenes_of_no_test links_that_lead_nowhere sections_in_no_map long_commit_subjects; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else

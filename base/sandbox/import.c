@@ -56,25 +56,6 @@ static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
                                        [LF_IMPORT_INSTANCES] = "quiltimport",
                                        [LF_IMPORT_TEXTURE] = "quiltimport"};
 
-/* Readers are in the program's folder, or in the installed one. */
-static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error *err)
-{
-    char own[PATH_MAX] = "", places[2][PATH_MAX + 32];
-    const char *told = secure_getenv("QUILTIMPORT");
-    ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
-    char *last = n > 0 ? strrchr(own, '/') : own;
-    *last = '\0';
-    snprintf(places[0], sizeof places[0], "%s", told ? told : own);
-    snprintf(places[1], sizeof places[1], "%s/../libexec/quiltd", own);
-    for (int i = 0; i < 2; i++)
-        if (snprintf(path, PATH_MAX, "%s/%s", places[i], programs[kind]) < PATH_MAX &&
-            access(path, X_OK) == 0)
-            return LF_OK;
-    return lf_error_set(err, LF_E_IO, programs[kind],
-                        "the program is missing in %s and %s; install quiltd again", places[0],
-                        places[1]);
-}
-
 /* The reader gets the socket, and no other descriptor. */
 static int spawn(const char *path, int socket, pid_t *out_pid)
 {
@@ -92,7 +73,7 @@ static lf_status begin_child(child *reader, lf_import_kind kind, lf_error *err)
 {
     char path[PATH_MAX];
     int pair[2];
-    lf_status status = find_reader(kind, path, err);
+    lf_status status = lf_find_program(programs[kind], secure_getenv("QUILTIMPORT"), path, err);
     if (status != LF_OK)
         return status;
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
@@ -118,7 +99,7 @@ static void tell_watcher(reading *file, bool ended)
     file->progress.seconds = lf_time_now() - file->begun;
     file->progress.ended = ended;
     file->told = true;
-    if (watcher.look)
+    if (watcher.look && !lf_import_is_quiet())
         watcher.look(watcher.context, &file->progress);
 }
 

@@ -62,7 +62,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(9)
+#define LF_IMPORT_VERSION UINT32_C(10)
 /* minimum of a reader: OpenVDB needs 128 MB to start */
 #define LF_IMPORT_LEAST_MEMORY ((uint64_t)192 << 20)
 #define LF_IMPORT_MAX_NAME 256
@@ -87,6 +87,9 @@ typedef struct lf_import_request {
     uint32_t emits;                     /* 1: it is a light, so no part of it is returned as
                                          * instances */
     uint32_t wants_uvs, wants_tangents; /* lf_mesh_wants (render/import/scene/scene_parse.h) */
+    /* its arrays instead of a file: 1 << lf_mesh_array of each; the reader gets the positions, and
+     * asks for the others by their keys */
+    uint32_t arrays;
     double transform[12];
     /* animation by name, or ("") by number; play once or loop; seconds since its start */
     char clip[LF_IMPORT_MAX_NAME];

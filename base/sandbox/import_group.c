@@ -12,6 +12,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* protects the times o
 lf_import_group *lf_import_group_begin(lf_import_group *group)
 {
     group->whole = current;
+    group->is_quiet = false;
     group->n_reading = 0;
     group->since = group->spent = 0;
     atomic_store(&group->cancelled, false);
@@ -53,6 +54,14 @@ bool lf_import_group_is_stopped(const lf_import_group *group)
 bool lf_import_is_stopped(void)
 {
     return lf_import_group_is_stopped(current);
+}
+
+bool lf_import_is_quiet(void)
+{
+    const lf_import_group *group = current;
+    while (group && !group->is_quiet)
+        group = group->whole;
+    return group;
 }
 
 lf_status lf_import_say_stopped(const char *where, lf_error *err)

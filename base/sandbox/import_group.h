@@ -11,6 +11,7 @@
 typedef struct lf_import_group {
     struct lf_import_group *whole; /* parent group, whose time limit applies; NULL: none */
     atomic_bool cancelled;
+    bool is_quiet; /* lf_import_watch hears nothing of its files; to be set after the begin */
     /* private to import_group.c: files being read, start of the current period of reading, total
      * seconds of earlier periods */
     int n_reading;
@@ -33,6 +34,8 @@ void lf_import_group_cancel(lf_import_group *group);
 /* True if the group or a parent was cancelled, or the program ends (lf_import_stop); NULL: only the
  * latter. Thread: any. */
 bool lf_import_group_is_stopped(const lf_import_group *group);
+/* True if this thread's group or a parent is quiet. */
+bool lf_import_is_quiet(void);
 
 /* To be called before and after this thread reads a file of its group. Returns the deadline
  * (lf_time_now). Time in which several files of a group are read counts once. */

@@ -154,6 +154,17 @@ static void *engine_main(void *context)
     }
 }
 
+/* By the bound at its last check; before the first one by the estimate. */
+static double seconds_left(const lf_engine *engine)
+{
+    const engine_look *look = &engine->look;
+    const bool bound = look->error_bound >= 0;
+    return lf_schedule_seconds_left(&engine->schedule, engine->spent.passes,
+                                    bound ? look->error_bound : look->stats.rel_mse_estimate,
+                                    bound ? look->bound_passes : look->stats.passes,
+                                    engine->now.controls.target_error);
+}
+
 void engine_publish(lf_engine *engine)
 {
     lf_engine_status now = {
@@ -169,6 +180,7 @@ void engine_publish(lf_engine *engine)
         .error_bound = engine->look.error_bound,
         .shown_error = engine->look.shown_error,
         .shown_error_bound = engine->look.shown_bound,
+        .seconds_left = -1,
         .missing = engine->renderer ? lf_picture_missing(&engine->picture) : 0,
         .threads = lf_pool_threads(engine->pool),
         .coarse_cost = engine->spent.budget.coarse,
@@ -185,6 +197,10 @@ void engine_publish(lf_engine *engine)
         now.state = LF_STATE_CONVERGED;
     else
         now.state = engine->now.controls.paused ? LF_STATE_PAUSED : LF_STATE_RENDERING;
+    if (now.state == LF_STATE_CONVERGED)
+        now.seconds_left = 0;
+    else if (now.state == LF_STATE_RENDERING)
+        now.seconds_left = seconds_left(engine);
     pthread_mutex_lock(&engine->lock);
     bool changed = now.state != engine->status.state ||
                    now.generation != engine->status.generation ||

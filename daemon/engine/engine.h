@@ -57,6 +57,7 @@ typedef struct lf_engine_status {
     /* bound of the relMSE at the last check (95 %); < 0 = the estimate was never below the
      * target */
     double error_bound;
+    double seconds_left; /* until the error meets the target; < 0 = unknown, or paused */
     double shown_error, shown_error_bound; /* error and bound of the reconstructed picture */
     int64_t missing;                       /* view pixels without a value yet */
     int threads;

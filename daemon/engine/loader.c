@@ -168,6 +168,14 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
 
+/* Loads a quilt that a client sent. */
+static lf_status load_sent_quilt(const lf_roots *roots, lf_load *load, lf_content **out)
+{
+    return lf_content_from_sent_quilt(load->file, &load->words.quilt, roots->passed, &load->options,
+                                      load->has_calibration ? &load->calibration : NULL, out,
+                                      &load->err);
+}
+
 /* Loads a scene that a client sent. The content keeps the document, so that it can be loaded
  * again. */
 static lf_status load_sent(const lf_loader *loader, const lf_roots *roots, lf_load *load,
@@ -245,6 +253,8 @@ static bool same_settings(const lf_content *a, const lf_content *b)
 static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf_load *load,
                               lf_content **out)
 {
+    if (load->kind == LF_LOAD_FILE && load->words.quilt.given)
+        return load_sent_quilt(roots, load, out);
     if (load->kind == LF_LOAD_FILE)
         return lf_load_is_sent(load) ? load_sent(loader, roots, load, out)
                                      : load_file(loader, roots, load, out);
@@ -305,9 +315,11 @@ static void keep_passed(const lf_loader *loader, const lf_load *load, lf_passed 
                         lf_content *content)
 {
     const lf_content *now = loader->content;
-    content->is_passed = load->kind == LF_LOAD_FILE
-                             ? !content->sent && lf_passed_has(load->sent.passed, content->file)
-                             : now && now->is_passed;
+    content->is_passed =
+        load->kind == LF_LOAD_FILE
+            ? load->words.quilt.given ||
+                  (!content->sent && lf_passed_has(load->sent.passed, content->file))
+            : now && now->is_passed;
     if (load->kind != LF_LOAD_FILE && now)
         content->sent = json_incref(now->sent);
     for (const lf_load *next = load; next; next = next_of(next))
@@ -387,7 +399,8 @@ static void run_load(lf_loader *loader, lf_load *load)
         load->status = lf_engine_show_as(loader->engine, content, &load->generation, &load->err);
     else
         load->status =
-            lf_engine_commit(loader->engine, content, load->kind == LF_LOAD_FILE && !load->browsed,
+            lf_engine_commit(loader->engine, content,
+                             load->kind == LF_LOAD_FILE && !load->browsed && !load->job.listed,
                              &load->generation, &load->restored, &load->err);
     load->committed = load->status == LF_OK;
     if (!load->committed) {
@@ -412,8 +425,8 @@ static bool are_one(const lf_task *task, const lf_task *next)
         return false;
     if (a->kind == LF_LOAD_FILE)
         return !a->deferred && !b->deferred && a->sent.document == b->sent.document &&
-               !a->browsed && !b->browsed && !a->reset && !b->reset &&
-               strcmp(a->file, b->file) == 0;
+               a->sent.passed == b->sent.passed && !a->browsed && !b->browsed && !a->reset &&
+               !b->reset && !a->job.listed && !b->job.listed && strcmp(a->file, b->file) == 0;
     return a->kind == LF_LOAD_PATCH || a->kind == LF_LOAD_ORBIT;
 }
 

@@ -25,11 +25,12 @@ typedef enum lf_load_kind {
     LF_LOAD_APPLY, /* the same scene, with other options or another panel */
 } lf_load_kind;
 
-/* The part of a load that serves to cancel it. */
+/* The part of a load that serves to find and cancel it. */
 typedef struct lf_load_job {
     int64_t id;                      /* number given by the poster */
     struct lf_load *earlier, *later; /* the poster's: neighbours in the queue */
     int looks;                       /* the poster's: how often it was seen in progress */
+    bool listed;                     /* the poster's: an entry of the playlist */
     atomic_bool running;             /* in progress, alone or merged with others */
     atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;
@@ -40,6 +41,7 @@ typedef struct lf_load_words {
     int columns, rows; /* tiles of a quilt picture, overriding its name; 0 = not given */
     lf_photo photo;
     lf_alone alone;
+    lf_sent_quilt quilt; /* the quilt that the client sent with the call */
 } lf_load_words;
 
 /* What a client sent with its call. */

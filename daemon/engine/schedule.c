@@ -120,3 +120,12 @@ bool lf_schedule_has_halves(const lf_schedule *schedule)
 {
     return schedule->sweep >= 3;
 }
+
+double lf_schedule_seconds_left(const lf_schedule *schedule, double passes, double error,
+                                double error_passes, double target)
+{
+    const double pass_seconds = schedule->row_seconds * schedule->height;
+    const double left = fmax(0, error_passes * (error / target) - passes) * pass_seconds;
+    const bool known = error >= 0 && target > 0 && pass_seconds > 0 && isfinite(left);
+    return known ? left : -1;
+}

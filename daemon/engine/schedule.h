@@ -47,5 +47,10 @@ bool lf_schedule_covers(const lf_schedule *schedule);
 bool lf_schedule_has_halves(const lf_schedule *schedule);
 /* The batch has ended and took `seconds`. True: it was the last of its sweep. */
 bool lf_schedule_done(lf_schedule *schedule, const lf_batch *batch, double seconds);
+/* Seconds of rendering, at the measured passes per second, after which an error meets `target`: it
+ * was estimated after error_passes of the passes, and falls as 1 / passes. 0: it has met it. < 0:
+ * not known, because error is < 0, target is 0, or nothing was rendered yet. */
+double lf_schedule_seconds_left(const lf_schedule *schedule, double passes, double error,
+                                double error_passes, double target);
 
 #endif

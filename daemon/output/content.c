@@ -46,29 +46,52 @@ lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_opti
     return LF_OK;
 }
 
-lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const lf_options *options,
-                                const lf_calibration *calibration, lf_content **out_content,
-                                lf_error *err)
+static lf_photo photo_of(const lf_options *options, const lf_calibration *calibration)
 {
     lf_photo photo = options->photo;
     if (calibration)
         photo.frame = (double)calibration->screen_width_px / calibration->screen_height_px;
+    return photo;
+}
+
+/* Takes over the views, also on failure. */
+static lf_status take_quilt(const char *file, const lf_photo *photo, lf_quilt_file *quilt,
+                            lf_content **out_content, lf_error *err)
+{
     lf_content *content = content_create(file);
-    if (!content)
+    if (!content) {
+        lf_quilt_finish(quilt);
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
-    lf_import_group group, *before = lf_import_group_begin(&group); /* for a folder's pictures */
-    lf_status status = lf_quilt_read_photo(file, roots, options->columns, options->rows, &photo,
-                                           &content->quilt, err);
-    (void)lf_import_group_enter(before);
-    if (status != LF_OK) {
-        lf_content_unref(content);
-        return status;
     }
-    lf_photo_cut(&photo, &content->quilt);
+    content->quilt = *quilt;
+    lf_photo_cut(photo, &content->quilt);
     lf_log_notes(&content->quilt.notes, file);
     content->layout = content->quilt.layout;
     *out_content = content;
     return LF_OK;
+}
+
+lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const lf_options *options,
+                                const lf_calibration *calibration, lf_content **out_content,
+                                lf_error *err)
+{
+    const lf_photo photo = photo_of(options, calibration);
+    lf_quilt_file quilt = {0};
+    lf_import_group group, *before = lf_import_group_begin(&group); /* for a folder's pictures */
+    lf_status status =
+        lf_quilt_read_photo(file, roots, options->columns, options->rows, &photo, &quilt, err);
+    (void)lf_import_group_enter(before);
+    return status == LF_OK ? take_quilt(file, &photo, &quilt, out_content, err) : status;
+}
+
+lf_status lf_content_from_sent_quilt(const char *name, const lf_sent_quilt *sent, lf_passed *passed,
+                                     const lf_options *options, const lf_calibration *calibration,
+                                     lf_content **out_content, lf_error *err)
+{
+    const lf_photo photo = photo_of(options, calibration);
+    lf_quilt_file quilt = {0};
+    lf_status status = lf_sent_quilt_read(sent, passed, name, &photo, &quilt, err);
+    return status == LF_OK ? take_quilt(name, &photo, &quilt, out_content, err) : status;
 }
 
 void lf_content_write_document(lf_content *content)

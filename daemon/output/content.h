@@ -5,6 +5,7 @@
 #define LF_DAEMON_CONTENT_H
 
 #include "daemon/output/options.h"
+#include "daemon/output/sent_quilt.h"
 
 typedef struct lf_content {
     atomic_int references;
@@ -27,13 +28,18 @@ typedef struct lf_content {
     char *document;
 } lf_content;
 
-/* Creates a content from a scene (takes a reference) or from a quilt picture (reads the file).
+/* Creates a content from a scene (takes a reference), or from a quilt that a client sent (reads its
+ * descriptor among passed) or that is in a picture file (reads it).
  * calibration may be NULL: no panel layout is used. On LF_OK the caller owns a reference. A scene's
  * film has features unless reconstruct is off; auto counts as on. */
 LF_NODISCARD lf_status lf_content_from_scene(lf_scene *scene, const char *file,
                                              const lf_options *options,
                                              const lf_calibration *calibration,
                                              lf_content **out_content, lf_error *err);
+LF_NODISCARD lf_status lf_content_from_sent_quilt(const char *name, const lf_sent_quilt *sent,
+                                                  lf_passed *passed, const lf_options *options,
+                                                  const lf_calibration *calibration,
+                                                  lf_content **out_content, lf_error *err);
 LF_NODISCARD lf_status lf_content_from_quilt(const char *file, const lf_roots *roots,
                                              const lf_options *options,
                                              const lf_calibration *calibration,

@@ -253,6 +253,7 @@ static void resolve_camera(const lf_options *options, const lf_camera *camera,
     }
     if (options->views > 0)
         out->n_views = options->views;
+    lf_camera_deepen(out);
 }
 
 static void resolve_view_size(const lf_options *options, const lf_calibration *calibration,

@@ -171,7 +171,7 @@ LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf
 
 /* Resolves what to render and the layout. Precedence, highest first: command line; preset (views,
  * layout, view size, aspect); panel calibration (aspect, cone; NULL = none); the scene's camera
- * (lf_scene_camera).
+ * (lf_scene_camera). The scene's depthiness multiplies the cone, whatever it comes from.
  *
  * Defaults: 45 views; view height 560 pixels, of a still 1080; view width = aspect x height. If the
  * scene has no aspect, --view-size sets it. Fills all of *out_settings except the window (zero =

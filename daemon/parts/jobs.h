@@ -25,8 +25,8 @@ typedef struct lf_export {
     lf_asker asker;
     const lf_output_kind *kind; /* NULL: "state" */
     char *file;                 /* the requested path, canonical */
-    char *name;                 /* final name for the current picture; NULL: file is the final
-                                 * name */
+    char *name;                 /* final name for the current picture, also with descriptors; NULL:
+                                 * file is the final name */
     int folder_fd;              /* the checked folder of file, which is written to; -1 = none */
     bool overwrite;
     int64_t generation; /* generation to wait for … */

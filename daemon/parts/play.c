@@ -5,6 +5,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "base/thread.h"
+#include "daemon/parts/play_pace.h"
 
 /* A frame that is not coarse after this time is skipped for the next one. */
 #define PATIENCE_SECONDS 3.0
@@ -15,46 +16,33 @@
 struct lf_play {
     lf_play_events events;
     void *context;
-    sd_event_source *timer;
+    lf_pace pace;
     bool on;
     lf_play_range range;
-    double begun;       /* lf_time_now at the first frame */
-    int frame;          /* last frame requested; negative: none */
-    bool on_its_way;    /* its load is in progress; afterwards … */
-    int64_t generation; /* … its generation … */
-    double loaded;      /* … and when it was loaded */
-    /* on the panel */
-    int64_t shown;
-    lf_level level;
+    double begun; /* lf_time_now at the first frame */
+    int frame;    /* last frame requested; negative: none */
 };
 
 static void ask_for(lf_play *play, int frame)
 {
-    play->on_its_way = play->events.due(play->context, frame);
-    if (play->on_its_way)
+    play->pace.on_its_way = play->events.due(play->context, frame);
+    if (play->pace.on_its_way)
         play->frame = frame;
     else
         play->on = false;
-}
-
-static void wake_at(const lf_play *play, double time)
-{
-    double seconds = fmax(time - lf_time_now(), 0);
-    (void)sd_event_source_set_time_relative(play->timer, (uint64_t)ceil(seconds * 1e6));
-    (void)sd_event_source_set_enabled(play->timer, SD_EVENT_ONESHOT);
 }
 
 /* Requests the frame that is due, if the one before was shown. */
 static void go_on(lf_play *play)
 {
     const lf_play_range *r = &play->range;
-    if (!play->on || play->on_its_way)
+    const lf_pace *pace = &play->pace;
+    if (!play->on || pace->on_its_way)
         return;
     double now = lf_time_now(), n = r->to - r->from + 1.0,
            k = floor((now - play->begun) * r->rate + ROUNDING);
-    bool shown = play->shown >= play->generation && play->level >= LF_LEVEL_COARSE;
-    if (play->frame >= 0 && !shown && now < play->loaded + PATIENCE_SECONDS) {
-        wake_at(play, play->loaded + PATIENCE_SECONDS);
+    if (play->frame >= 0 && !lf_pace_is_shown(pace) && now < pace->loaded + PATIENCE_SECONDS) {
+        lf_pace_wake_at(pace, pace->loaded + PATIENCE_SECONDS);
         return;
     }
     int due = r->from + (int)(r->once ? fmin(k, n - 1) : fmod(k, n));
@@ -62,7 +50,7 @@ static void go_on(lf_play *play)
     if (due != play->frame)
         ask_for(play, due);
     else if (!last)
-        wake_at(play, play->begun + (k + 1) / r->rate);
+        lf_pace_wake_at(pace, play->begun + (k + 1) / r->rate);
     play->on = play->on && !last;
 }
 
@@ -86,14 +74,12 @@ void lf_play_begin(lf_play *play, const lf_play_range *range)
 void lf_play_stop(lf_play *play)
 {
     play->on = false;
-    (void)sd_event_source_set_enabled(play->timer, SD_EVENT_OFF);
+    lf_pace_rest(&play->pace);
 }
 
 void lf_play_loaded(lf_play *play, int64_t generation, const lf_error *err)
 {
-    play->on_its_way = false;
-    play->generation = generation;
-    play->loaded = lf_time_now();
+    lf_pace_loaded(&play->pace, generation);
     if (!err) {
         go_on(play);
         return;
@@ -105,8 +91,7 @@ void lf_play_loaded(lf_play *play, int64_t generation, const lf_error *err)
 
 void lf_play_shown(lf_play *play, int64_t generation, lf_level level)
 {
-    play->shown = generation;
-    play->level = level;
+    lf_pace_shown(&play->pace, generation, level);
     go_on(play);
 }
 
@@ -128,11 +113,10 @@ lf_status lf_play_create(sd_event *event, const lf_play_events *events, void *co
     if (!play)
         return LF_E_NOMEM;
     *play = (lf_play){.events = *events, .context = context};
-    if (sd_event_add_time_relative(event, &play->timer, CLOCK_MONOTONIC, 0, 0, on_time, play) < 0) {
+    if (lf_pace_init(&play->pace, event, on_time, play) != LF_OK) {
         lf_play_destroy(play);
         return LF_E_NOMEM;
     }
-    (void)sd_event_source_set_enabled(play->timer, SD_EVENT_OFF);
     *out_play = play;
     return LF_OK;
 }
@@ -140,6 +124,6 @@ lf_status lf_play_create(sd_event *event, const lf_play_events *events, void *co
 void lf_play_destroy(lf_play *play)
 {
     if (play)
-        sd_event_source_disable_unref(play->timer);
+        lf_pace_finish(&play->pace);
     lf_free(play);
 }

@@ -1,35 +1,27 @@
 #include "daemon/parts/previews.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/thread.h"
+#include "daemon/threads/errands.h"
 
 /* Each holds a copy of the views. */
 #define MAX_PREVIEWS 8
 
 typedef struct entry {
-    lf_task task;
-    struct entry *next;
+    lf_errand errand;
     lf_previews *previews;
     lf_preview asked;
-    pthread_t thread;
-    lf_cancel cancel;
-    /* owned by the thread until it has ended */
-    lf_preview_written written;
-    lf_status status;
-    lf_error err;
+    lf_preview_written written; /* owned by the thread until it has ended */
 } entry;
 
 struct lf_previews {
-    lf_inbox *inbox;
+    lf_errands *errands;
     lf_engine *engine;
     lf_preview_ended_fn ended;
     void *context;
-    entry *first; /* the newest */
 };
 
 lf_status lf_previews_create(lf_inbox *inbox, lf_engine *engine, lf_preview_ended_fn ended,
@@ -38,24 +30,29 @@ lf_status lf_previews_create(lf_inbox *inbox, lf_engine *engine, lf_preview_ende
     lf_previews *previews = lf_calloc(1, sizeof *previews);
     if (!previews)
         return LF_E_NOMEM;
-    *previews = (lf_previews){inbox, engine, ended, context, NULL};
+    *previews = (lf_previews){NULL, engine, ended, context};
+    if (lf_errands_create("lf-preview", MAX_PREVIEWS, previews, inbox, &previews->errands) !=
+        LF_OK) {
+        lf_free(previews);
+        return LF_E_NOMEM;
+    }
     *out_previews = previews;
     return LF_OK;
 }
 
 void lf_previews_destroy(lf_previews *previews)
 {
+    if (previews)
+        lf_errands_destroy(previews->errands);
     lf_free(previews);
 }
 
 lf_status lf_previews_check_room(const lf_previews *previews, uint64_t client, lf_error *err)
 {
-    int n = 0;
-    for (const entry *e = previews->first; e; e = e->next, n++)
-        if (e->asked.client == client)
-            return lf_error_set(err, LF_E_BUSY, "frame.get",
-                                "an image for this client is being written; wait for its answer");
-    return n < MAX_PREVIEWS
+    if (lf_errands_count_of(previews->errands, client) > 0)
+        return lf_error_set(err, LF_E_BUSY, "frame.get",
+                            "an image for this client is being written; wait for its answer");
+    return lf_errands_count(previews->errands) < MAX_PREVIEWS
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, "frame.get",
                               "%d images are being written; try again when one has ended",
@@ -64,14 +61,14 @@ lf_status lf_previews_check_room(const lf_previews *previews, uint64_t client, l
 
 /* -------------------------------------------------------------------------------- the thread -- */
 
-static lf_status write_to(entry *e, const lf_shown_views *shown, lf_outfile *file)
+static lf_status write_to(entry *e, const lf_shown_views *shown, lf_outfile *file, lf_error *err)
 {
     lf_preview_written *written = &e->written;
-    lf_status status = lf_preview_write(&e->asked.options, shown->rgb, &shown->layout, &e->cancel,
-                                        file, &written->layout, &e->err);
+    lf_status status = lf_preview_write(&e->asked.options, shown->rgb, &shown->layout,
+                                        &e->errand.cancel, file, &written->layout, err);
     struct stat st;
     if (status == LF_OK && fstat(file->fd, &st) != 0)
-        status = lf_error_set(&e->err, LF_E_IO, "descriptor", "cannot be read back");
+        status = lf_error_set(err, LF_E_IO, "descriptor", "cannot be read back");
     if (status != LF_OK)
         return status;
     written->bytes = st.st_size;
@@ -82,53 +79,47 @@ static lf_status write_to(entry *e, const lf_shown_views *shown, lf_outfile *fil
     return LF_OK;
 }
 
-static lf_status make(entry *e)
+static lf_status make(entry *e, lf_error *err)
 {
     lf_outfile file = {.fd = -1};
     lf_shown_views shown = {0};
-    lf_status status = lf_outfile_adopt(&file, e->asked.fd, &e->err);
+    lf_status status = lf_outfile_adopt(&file, e->asked.fd, err);
     if (status != LF_OK)
-        close(e->asked.fd);
+        return status;
+    e->asked.fd = -1;
+    status = lf_engine_shown(e->previews->engine, e->asked.n_views, &e->errand.cancel, &shown, err);
     if (status == LF_OK)
-        status =
-            lf_engine_shown(e->previews->engine, e->asked.n_views, &e->cancel, &shown, &e->err);
-    if (status == LF_OK)
-        status = write_to(e, &shown, &file);
+        status = write_to(e, &shown, &file, err);
     lf_shown_views_finish(&shown);
     if (status == LF_OK)
-        status = lf_outfile_commit(&file, true, &e->err);
+        status = lf_outfile_commit(&file, true, err);
     else
         lf_outfile_abandon(&file);
     return status;
 }
 
-static void *preview_main(void *context)
+static lf_status run(lf_errand *errand, lf_error *err)
 {
-    entry *e = context;
-    e->status = make(e);
-    if (e->status != LF_OK && e->err.where[0] == '\0')
-        (void)snprintf(e->err.where, sizeof e->err.where, "frame.get");
-    lf_inbox_post(e->previews->inbox, &e->task);
-    return NULL;
+    lf_status status = make((entry *)(void *)errand, err);
+    if (status != LF_OK && err->where[0] == '\0')
+        (void)snprintf(err->where, sizeof err->where, "frame.get");
+    return status;
 }
 
-static void unlink_entry(entry *e)
+static void close_file(const entry *e)
 {
-    entry **at = &e->previews->first;
-    while (*at != e)
-        at = &(*at)->next;
-    *at = e->next;
+    if (e->asked.fd >= 0)
+        close(e->asked.fd);
 }
 
-static void on_done(void *reader, lf_task *task)
+static void on_done(void *context, lf_errand *errand)
 {
-    entry *e = (entry *)(void *)task;
-    const lf_previews *previews = e->previews;
-    (void)reader;
-    pthread_join(e->thread, NULL);
-    unlink_entry(e);
-    const bool ok = e->status == LF_OK;
-    previews->ended(previews->context, &e->asked, ok ? &e->written : NULL, ok ? NULL : &e->err);
+    entry *e = (entry *)(void *)errand;
+    const lf_previews *previews = context;
+    const bool ok = errand->status == LF_OK;
+    close_file(e);
+    previews->ended(previews->context, &e->asked, ok ? &e->written : NULL,
+                    ok ? NULL : &errand->err);
     lf_free(e);
 }
 
@@ -138,12 +129,11 @@ lf_status lf_previews_add(lf_previews *previews, const lf_preview *what, lf_erro
 {
     entry *e = lf_calloc(1, sizeof *e);
     if (e) {
-        *e = (entry){
-            .task.done = on_done, .next = previews->first, .previews = previews, .asked = *what};
-        previews->first = e;
-        if (lf_thread_start("lf-preview", preview_main, e, &e->thread) == LF_OK)
+        *e = (entry){.errand = {.client = what->client, .run = run, .done = on_done},
+                     .previews = previews,
+                     .asked = *what};
+        if (lf_errands_add(previews->errands, &e->errand, NULL) == LF_OK)
             return LF_OK;
-        unlink_entry(e);
     }
     close(what->fd);
     lf_free(e);
@@ -152,18 +142,15 @@ lf_status lf_previews_add(lf_previews *previews, const lf_preview *what, lf_erro
 
 bool lf_previews_busy(const lf_previews *previews)
 {
-    return previews->first;
+    return lf_errands_count(previews->errands) > 0;
 }
 
 void lf_previews_end_of(lf_previews *previews, uint64_t client)
 {
-    for (entry *e = previews->first; e; e = e->next)
-        if (e->asked.client == client)
-            atomic_store_explicit(&e->cancel, 1, memory_order_relaxed);
+    lf_errands_end_of(previews->errands, client);
 }
 
 void lf_previews_end(lf_previews *previews)
 {
-    for (entry *e = previews->first; e; e = e->next)
-        atomic_store_explicit(&e->cancel, 1, memory_order_relaxed);
+    lf_errands_end(previews->errands);
 }

@@ -107,9 +107,7 @@ const json_t *lf_param_or_former(const json_t *params, const char *name, const c
 
 /* ------------------------------------------------------------------------------------- paths -- */
 
-/* Paths of clients are absolute (quiltctl makes them so); relative ones start at the scene's
- * folder. */
-static char *absolute(const lf_server *server, const char *path)
+char *lf_server_absolute(const lf_server *server, const char *path)
 {
     char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
     char *joined = lf_path_join(folder ? folder : "/", path);
@@ -117,14 +115,13 @@ static char *absolute(const lf_server *server, const char *path)
     return joined;
 }
 
-/* For a name with a frame number field, only the folder must exist. */
-static lf_status resolve(const lf_server *server, const char *name, char **out_path, lf_error *why)
+lf_status lf_server_resolve(const lf_roots *roots, const char *name, char **out_path, lf_error *why)
 {
-    lf_status status = lf_roots_resolve(&server->roots, name, out_path, why);
+    lf_status status = lf_roots_resolve(roots, name, out_path, why);
     if (status != LF_E_IO || !lf_frame_name_varies(name))
         return status;
     char *folder = lf_path_folder(name), *real = NULL;
-    status = folder ? lf_roots_resolve(&server->roots, folder, &real, why) : LF_E_NOMEM;
+    status = folder ? lf_roots_resolve(roots, folder, &real, why) : LF_E_NOMEM;
     if (status == LF_OK) {
         *out_path = lf_path_join(real, strrchr(name, '/') + 1);
         status = *out_path ? LF_OK : LF_E_NOMEM;
@@ -139,11 +136,11 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
 {
     if (path[0] == '\0')
         return lf_error_set(err, LF_E_ARG, path, "the file name is empty");
-    char *name = absolute(server, path);
+    char *name = lf_server_absolute(server, path);
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     lf_error why;
-    lf_status status = resolve(server, name, out_path, &why);
+    lf_status status = lf_server_resolve(&server->roots, name, out_path, &why);
     lf_free(name);
     if (status == LF_OK)
         return LF_OK;

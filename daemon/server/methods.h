@@ -16,6 +16,8 @@ typedef struct lf_method {
     void (*run)(lf_call *call);
 } lf_method;
 
+#define LF_MAX_METHODS 64 /* bits of lf_client_denied */
+
 /* NULL after the last. */
 const lf_method *lf_method_at(int index);
 /* The schema, parsed once; borrowed. NULL after the last. */

@@ -75,20 +75,35 @@ static lf_status add_files(descriptors *d, lf_passed *passed, lf_error *err)
     return status;
 }
 
-/* "shape": [nz, ny, nx], the slowest first. */
-static lf_status read_size(const json_t *array, const char *name, int64_t out[3], lf_error *err)
+/* Types of arrays in calls. */
+static bool type_of(const json_t *array, lf_array_type *out)
+{
+    const char *type = json_string_value(json_object_get(array, "type"));
+    for (int i = LF_ARRAY_FLOAT32; type && i <= LF_ARRAY_UINT32; i++) {
+        *out = (lf_array_type)i;
+        if (strcmp(type, lf_array_type_name(i)) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* "shape": the slowest axis first, as numpy's. */
+static lf_status read_shape(const json_t *array, const char *name, lf_array *out, lf_error *err)
 {
     const json_t *shape = json_object_get(array, "shape");
-    const char *type = json_string_value(json_object_get(array, "type"));
-    bool good = json_array_size(shape) == 3;
-    for (size_t i = 0; i < 3 && good; i++) {
+    const size_t n = json_array_size(shape);
+    bool good = n == 2 || n == 3;
+    for (size_t i = 0; i < n && good; i++) {
         good = json_is_integer(json_array_get(shape, i));
-        out[2 - i] = json_integer_value(json_array_get(shape, i));
+        out->length[i] = json_integer_value(json_array_get(shape, i));
     }
+    out->n_axes = (int)n;
     if (!good)
-        return lf_error_set(err, LF_E_ARG, name, "\"shape\" of an array must be [nz, ny, nx]");
-    if (!type || strcmp(type, "float32") != 0)
-        return lf_error_set(err, LF_E_ARG, name, "\"type\" of an array must be \"float32\"");
+        return lf_error_set(err, LF_E_ARG, name,
+                            "\"shape\" of an array must be [nz, ny, nx] or [n, columns]");
+    if (!type_of(array, &out->type))
+        return lf_error_set(err, LF_E_ARG, name,
+                            "\"type\" of an array must be \"float32\" or \"uint32\"");
     return json_object_size(array) == 2
                ? LF_OK
                : lf_error_set(err, LF_E_ARG, name, "an array has only \"shape\" and \"type\"");
@@ -102,10 +117,10 @@ static lf_status add_arrays(descriptors *d, lf_passed *passed, lf_error *err)
     json_t *array;
     json_object_foreach((json_t *)(uintptr_t)d->arrays, name, array)
     {
-        int64_t size[3];
-        status = read_size(array, name, size, err);
+        lf_array is = {0};
+        status = read_shape(array, name, &is, err);
         if (status == LF_OK)
-            status = lf_passed_add_array(passed, name, size, *fd, err);
+            status = lf_passed_add_array(passed, name, &is, *fd, err);
         if (status != LF_OK)
             break;
         *fd++ = -1;
@@ -143,8 +158,7 @@ static lf_status add_passed(const lf_call *call, descriptors *d, lf_passed **out
     return status;
 }
 
-/* Hands the call's descriptors to the load. No descriptor is left over, and if one is refused all
- * are closed. */
+/* Hands the call's descriptors to the load. If one is refused, all are closed. */
 static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
 {
     descriptors d;
@@ -156,16 +170,13 @@ static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
         d.fd[0] = -1;
     }
     close_descriptors(&d);
-    if (d.scene || d.files || d.arrays)
-        lf_client_drop_fds(call->client);
     return status;
 }
 
 /* -------------------------------------------------------------------------------- scene.load -- */
 
-/* A scene that is sent needs no file, only a name for messages. It is no path, so that nothing
- * opens it. */
-static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
+/* The name is no path, so that nothing opens it. */
+lf_status lf_method_name(const lf_call *call, const char *otherwise, char **out, lf_error *err)
 {
     const char *name = json_string_value(json_object_get(call->params, "name"));
     if (name && (name[0] == '\0' || strlen(name) > LF_MAX_ARRAY_NAME || strchr(name, '/')))
@@ -175,9 +186,15 @@ static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
     if (status != LF_OK)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/name",
                                "control characters are not allowed");
+    *out = lf_strdup(name ? name : otherwise);
+    return *out ? LF_OK : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+}
+
+/* A scene that is sent needs no file, only a name for messages. */
+static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
+{
     load->sent.document = json_incref(json_object_get(call->params, "scene"));
-    load->file = lf_strdup(name ? name : "scene");
-    return load->file ? LF_OK : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+    return lf_method_name(call, "scene", &load->file, err);
 }
 
 /* The scene is named, or sent in one of two ways. */

@@ -18,9 +18,11 @@ static json_t *folders_json(const lf_server *server)
 void lf_method_hello(lf_call *call)
 {
     lf_reply(call,
-             json_pack("{s:s, s:s, s:i, s:o, s:O, s:O}", "name", "quiltd", "version", LF_VERSION,
-                       "protocol", LF_RPC_PROTOCOL, "folders", folders_json(call->server),
-                       "methods", lf_methods_json(), "events", lf_events_json()));
+             json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:b}", "name", "quiltd", "version",
+                       LF_VERSION, "protocol", LF_RPC_PROTOCOL, "folders",
+                       folders_json(call->server), "methods", lf_rights_methods_json(call->client),
+                       "events", lf_rights_events_json(call->client), "limited",
+                       lf_rights_limited(call->client)));
 }
 
 /* Exact, also beyond JSON's integers here. */
@@ -120,6 +122,7 @@ static void add_engine(lf_server *server, json_t *status)
         now.reconstructed ? "on" : "off", "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "seconds_left", known_or_null(now.seconds_left));
     json_object_set_new(status, "denoised_error", known_or_null(now.shown_error));
     json_object_set_new(status, "denoised_error_bound", known_or_null(now.shown_error_bound));
     json_object_set_new(status, "shown_error", known_or_null(now.shown_error));
@@ -163,6 +166,7 @@ void lf_method_status(lf_call *call)
         "uptime", lf_time_now() - server->life.started, "longest_turn", server->life.longest_turn);
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "playlist", lf_server_playlist_json(server));
     if (server->error.status != LF_OK) {
         json_t *answer = lf_rpc_error_of(NULL, &server->error, true);
         json_object_set(status, "error", json_object_get(answer, "error"));
@@ -209,7 +213,7 @@ void lf_method_wait(lf_call *call)
 void lf_method_subscribe(lf_call *call)
 {
     static const char *const names[] = {"frame",  "converged", "device", "scene",
-                                        "export", "button",    "log"};
+                                        "export", "button",    "log",    "playlist"};
     unsigned flags = 0;
     size_t i;
     json_t *event;
@@ -220,6 +224,45 @@ void lf_method_subscribe(lf_call *call)
     }
     *lf_client_flags(call->client) = flags;
     lf_reply(call, json_pack("{s:O}", "events", json_object_get(call->params, "events")));
+}
+
+/* The bits of the named methods. LF_E_ARG: the client may not call one of them. */
+static lf_status named_bits(lf_call *call, uint64_t *out_bits, lf_error *err)
+{
+    uint64_t bits = 0;
+    size_t i;
+    json_t *name;
+    json_array_foreach(json_object_get(call->params, "methods"), i, name)
+    {
+        lf_error why;
+        char pointer[32];
+        const int index = lf_rights_find(call->client, json_string_value(name), &why);
+        snprintf(pointer, sizeof pointer, "/methods/%zu", i);
+        if (index < 0)
+            return lf_error_set_at(err, LF_E_ARG, call->method, 0, pointer, "%s", why.what);
+        bits |= UINT64_C(1) << index;
+    }
+    *out_bits = bits;
+    return LF_OK;
+}
+
+void lf_method_rights_limit(lf_call *call)
+{
+    uint64_t kept = 0;
+    lf_error err;
+    if (named_bits(call, &kept, &err) != LF_OK) {
+        lf_fail(call, &err, false);
+        return;
+    }
+    json_t *names = json_array();
+    for (int i = 0; lf_method_at(i); i++)
+        if ((kept >> i & 1) == 0)
+            *lf_client_denied(call->client) |= UINT64_C(1) << i;
+        else
+            json_array_append_new(names, json_string(lf_method_at(i)->name));
+    if (!lf_rights_have(call->client, "subscribe"))
+        *lf_client_flags(call->client) = 0;
+    lf_reply(call, json_pack("{s:o}", "methods", names));
 }
 
 void lf_method_shutdown(lf_call *call)

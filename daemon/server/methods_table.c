@@ -28,6 +28,11 @@
         "absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, "      \
         "read-only); quiltctl fills this in")
 
+#define ARRAYS                                                                                     \
+    KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",                             \
+        "arrays of the scene by name, each {shape, type}; their descriptors follow those of "      \
+        "files")
+
 #define EXPORT_KEYS                                                                                \
     KEY("kind", STRING, "kind of output, see Export kinds") ","                                    \
     KEY("file", STRING,                                                                            \
@@ -61,9 +66,7 @@ static const lf_method methods[] = {
              "MiB") ","
          KEY("name", STRING,
              "name of scene or scene_fd in messages, at most 128 bytes without / (scene)") ","
-         KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",
-             "arrays of the scene by name, each {shape, type}; their descriptors follow those of "
-             "files") ","
+         ARRAYS ","
          KEY("quilt", STRING, "tiles COLUMNSxROWS of an image whose name has no _qs suffix") ","
          FILES),
      lf_method_scene_load},
@@ -73,8 +76,24 @@ static const lf_method methods[] = {
      OBJECT_WITH("\"patch\"",
          KEY("patch", "\"type\":\"object\",\"additionalProperties\":true",
              "keys of the scene file with their new values; null removes a key") ","
-         FILES),
+         FILES ","
+         ARRAYS),
      lf_method_scene_patch},
+    {"quilt.show", "show a quilt that comes by a passed descriptor, as raw pixels or an image file",
+     "quilt.show photo.png columns=8 rows=6",
+     OBJECT_WITH("\"columns\",\"rows\"",
+         KEY("columns", INTEGER("count") RANGE("1", "64"),
+             "columns of tiles; they divide the width") ","
+         KEY("rows", INTEGER("count") RANGE("1", "64"), "rows of tiles; they divide the height") ","
+         KEY("views", INTEGER("count") RANGE("1", "4096"), "number of views (columns x rows)") ","
+         KEY("aspect", NUMBER("width / height") RANGE("0.01", "100"), "aspect of a view (a tile's)")
+         ","
+         KEY("width", INTEGER("pixels") RANGE("1", "16384"),
+             "width of the whole quilt in raw pixels; without it the descriptor is an image file")
+         ","
+         KEY("height", INTEGER("pixels") RANGE("1", "16384"), "its height") ","
+         KEY("name", STRING, "name in messages, at most 128 bytes without / (quilt)")),
+     lf_method_quilt_show},
     {"camera.set", "set keys of the camera; other keys keep their values",
      "camera.set fov_y=20 target=0,1,0", OBJECT(""), lf_method_camera_set},
     {"camera.orbit", "orbit the camera around its target", "camera.orbit yaw=15 pitch=-5",
@@ -105,6 +124,28 @@ static const lf_method methods[] = {
      lf_method_time_play},
     {"time.stop", "stop at the current frame", "time.stop", OBJECT(""),
      lf_method_time_stop},
+    {"playlist.set", "replace the entries of the slideshow",
+     "playlist.set entries:=[{\"file\":\"/srv/a.png\",\"seconds\":10}]",
+     OBJECT_WITH("\"entries\"",
+         KEY("entries", "\"type\":\"array\",\"maxItems\":1000,\"items\":"
+             OBJECT_WITH("\"file\",\"seconds\"",
+                 KEY("file", STRING, "absolute path of a scene, model, volume or image") ","
+                 KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),
+                     "time from the first frame that is shown")),
+             "what to show, in this order: each {file, seconds}; an empty list stops") ","
+         KEY("loop", BOOLEAN("true"), "start again after the last entry")),
+     lf_server_playlist_set},
+    {"playlist.get", "return the slideshow", "playlist.get", OBJECT(""), lf_server_playlist_get},
+    {"playlist.play", "start the slideshow, or go to an entry", "playlist.play index=0",
+     OBJECT(KEY("index", INTEGER("count") RANGE("0", "999"),
+                "entry to begin with, from 0 (where it stopped; after its end the first)")),
+     lf_server_playlist_play},
+    {"playlist.stop", "stop the slideshow at the current entry", "playlist.stop", OBJECT(""),
+     lf_server_playlist_stop},
+    {"playlist.next", "show the next entry of the slideshow", "playlist.next", OBJECT(""),
+     lf_server_playlist_next},
+    {"playlist.previous", "show the previous entry of the slideshow", "playlist.previous",
+     OBJECT(""), lf_server_playlist_previous},
     {"wait", "wait until the panel shows the image", "wait for=complete timeout=60",
      OBJECT(KEY("generation", "\"type\":\"integer\",\"unit\":\"count\",\"minimum\":0",
                 "wait for this generation or a later one (the newest)") ","
@@ -128,6 +169,16 @@ static const lf_method methods[] = {
             KEY("quality", "\"type\":\"integer\"" RANGE("1", "100") DEFAULT("75"),
                 "quality of the JPEG")),
      lf_server_preview},
+    {"library.list", "list a readable folder: scenes, models, volumes, images and folders",
+     "library.list folder=/srv/scenes",
+     OBJECT(KEY("folder", STRING, "folder to list (the folders that quiltd may read)")),
+     lf_server_library_list},
+    {"library.thumbnail", "write a small JPEG of an image file to a passed descriptor",
+     "library.thumbnail small.jpg file=/srv/scenes/photo.png",
+     OBJECT_WITH("\"file\"", KEY("file", STRING, "image or quilt; of a quilt the middle view") ","
+                 KEY("width", INTEGER("pixels") RANGE("16", "512") DEFAULT("160"),
+                     "width of the JPEG, at most that of the image; the height follows")),
+     lf_server_thumbnail},
     {"export", "write a quilt, views, panel image, print, pitch test chart or state",
      "export kind=quilt file=cloud.png wait=converged",
      OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
@@ -144,6 +195,8 @@ static const lf_method methods[] = {
      lf_method_device_set},
     {"device.calibration", "return the lens calibration of the panel", "device.calibration",
      OBJECT(""), lf_method_device_calibration},
+    {"doctor", "check what this machine needs to show an image on a panel", "doctor", OBJECT(""),
+     lf_server_doctor},
     {"button", "trigger the action of a panel button", "button name=right",
      OBJECT_WITH("\"name\"", KEY("name", ENUM("\"square\",\"left\",\"right\",\"circle\""),
                                  "button of a first-generation panel")),
@@ -155,14 +208,21 @@ static const lf_method methods[] = {
     {"subscribe", "choose the notifications for this client", "subscribe events=scene,frame",
      OBJECT_WITH("\"events\"",
          KEY("events", LIST(ENUM("\"frame\",\"converged\",\"device\",\"scene\",\"export\","
-                                 "\"button\",\"log\"")) ",\"maxItems\":16",
+                                 "\"button\",\"log\",\"playlist\"")) ",\"maxItems\":16",
              "events to send; an empty list: none, except the progress of your own exports")),
      lf_method_subscribe},
+    {"rights.limit", "allow this connection only these methods from now on",
+     "rights.limit methods=hello,status,camera.orbit",
+     OBJECT_WITH("\"methods\"",
+         KEY("methods", LIST(STRING) ",\"maxItems\":64",
+             "methods that stay allowed; each must be allowed before")),
+     lf_method_rights_limit},
     {"shutdown", "shut down the daemon", "shutdown", OBJECT(""), lf_method_shutdown},
 };
 /* clang-format on */
 
 enum { N_METHODS = sizeof methods / sizeof *methods };
+_Static_assert(N_METHODS <= LF_MAX_METHODS, "a bit for each");
 
 /* Parsed once and never freed: constant like the texts. */
 static json_t *schemas[N_METHODS];

@@ -42,13 +42,17 @@ static void destroy(lf_server *server)
     lf_parser_destroy(server->parser);
     lf_clients_destroy(server->clients);
     lf_unlisten(&server->listener);
+    lf_web_child_destroy(server->life.web);
     lf_show_destroy(server->show);
     lf_watch_destroy(server->watch);
     lf_presses_destroy(server->presses);
     lf_waits_destroy(server->waits);
     lf_play_destroy(server->play);
+    lf_playlist_destroy(server->gallery.playlist);
+    lf_errands_destroy(server->gallery.checks);
     lf_jobs_destroy(server->jobs);
-    lf_previews_destroy(server->previews);
+    lf_previews_destroy(server->gallery.previews);
+    lf_library_destroy(server->gallery.library);
     lf_saver_destroy(server->saver);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
@@ -172,8 +176,10 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_releaser_create(&server->inbox, &server->releaser) : status;
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
+    status = status == LF_OK ? lf_server_make_playlist(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
     status = status == LF_OK ? lf_server_make_previews(server) : status;
+    status = status == LF_OK ? lf_server_make_library(server) : status;
     status = status == LF_OK ? lf_server_make_log(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_card(server) : status;
@@ -193,7 +199,9 @@ static void on_client_gone(void *context, uint64_t client)
     if (server->life.phase == LF_PHASE_LEAVING)
         return;
     lf_jobs_end_of(server->jobs, client);
-    lf_previews_end_of(server->previews, client);
+    lf_previews_end_of(server->gallery.previews, client);
+    lf_library_end_of(server->gallery.library, client);
+    lf_errands_end_of(server->gallery.checks, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))
@@ -212,7 +220,7 @@ static lf_status open_socket(lf_server *server, lf_error *err)
     if (status == LF_OK) {
         lf_clients_on_gone(server->clients, on_client_gone);
         lf_log(LF_LOG_INFO, "listening on %s",
-               server->listener.path ? server->listener.path : "the socket from systemd");
+               server->listener.lock_fd >= 0 ? server->listener.path : "the socket from systemd");
     }
     return status;
 }
@@ -247,6 +255,7 @@ static void prepare_process(void)
     sigaddset(&ours, SIGTERM);
     sigaddset(&ours, SIGINT);
     sigaddset(&ours, SIGHUP);
+    sigaddset(&ours, SIGCHLD); /* quiltweb's end */
     pthread_sigmask(SIG_BLOCK, &ours, NULL);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); /* writing too large a file is an error of write */
@@ -281,6 +290,7 @@ int lf_server_run(const lf_server_config *config)
     status = status == LF_OK ? open_first(server, &err) : status;
     int code = LF_EXIT_FAILED;
     if (status == LF_OK) {
+        lf_server_start_web(server);
         code = lf_turns_run(server->event, &server->life.longest_turn);
         code = code < 0 ? LF_EXIT_FAILED : code;
         server->life.exit_code = code;

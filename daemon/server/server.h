@@ -6,6 +6,8 @@
 #include "daemon/output/options.h"
 #include "daemon/server/button_actions.h"
 
+#define LF_SERVER_WEB_PORT 8033 /* default of --web */
+
 typedef struct lf_server_config {
     const char *scene;       /* as on the command line; NULL = none */
     const char *socket;      /* --socket; NULL = the default */
@@ -16,6 +18,8 @@ typedef struct lf_server_config {
     const char *allow[LF_MAX_ROOTS];
     int n_allow;
     bool watch;
+    bool web;       /* start quiltweb (daemon/parts/web_child.h) */
+    int web_port;   /* 0: any free one */
     double run_for; /* seconds; 0 = until stopped */
     lf_button_actions buttons;
     lf_options options;

@@ -66,19 +66,28 @@ static void toggle_pause(lf_server *server)
     lf_engine_set_controls(server->engine, &controls);
 }
 
+/* A playlist that is played takes the place of the folder. */
+static void turn(lf_server *server, int step)
+{
+    const char *shown = server->content ? server->content->file : server->config.scene;
+    if (lf_playlist_now(server->gallery.playlist).playing)
+        lf_playlist_step(server->gallery.playlist, step);
+    else
+        lf_presses_turn(server->presses, step, shown);
+}
+
 void lf_server_press(lf_server *server, lf_button button)
 {
     lf_action action = server->config.buttons.of[button];
-    const char *shown = server->content ? server->content->file : server->config.scene;
     lf_notify(server->clients, LF_EVENT_BUTTON, "button",
               json_pack("{s:s, s:s}", "button", lf_button_name(button), "action",
                         lf_action_name(action)));
     switch (action) {
     case LF_ACTION_NEXT:
-        lf_presses_turn(server->presses, 1, shown);
+        turn(server, 1);
         break;
     case LF_ACTION_PREVIOUS:
-        lf_presses_turn(server->presses, -1, shown);
+        turn(server, -1);
         break;
     case LF_ACTION_PAUSE:
         toggle_pause(server);

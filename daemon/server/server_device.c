@@ -107,6 +107,7 @@ lf_status lf_server_make_show(lf_server *server)
 {
     static const lf_show_events events = {.opened = on_opened,
                                           .listed = on_listed,
+                                          .examined = lf_server_examined,
                                           .changed = on_changed,
                                           .lens = on_lens,
                                           .shown = on_shown,

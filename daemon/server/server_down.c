@@ -83,10 +83,14 @@ static void begin_way_down(lf_server *server)
     sd_notify(0, "STOPPING=1");
     lf_clients_close_listener(server->clients);
     lf_unlisten(&server->listener);
+    lf_web_child_stop(server->life.web);
     lf_play_stop(server->play);
+    lf_playlist_stop(server->gallery.playlist);
     lf_saver_stop(server->saver);
     lf_jobs_end(server->jobs);
-    lf_previews_end(server->previews);
+    lf_previews_end(server->gallery.previews);
+    lf_library_end(server->gallery.library);
+    lf_errands_end(server->gallery.checks);
     lf_engine_stop(server->engine, !saves);
     if (saves) {
         sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", BATCH_MORE_USEC);
@@ -97,12 +101,13 @@ static void begin_way_down(lf_server *server)
     }
 }
 
-/* True if exports, previews or a save are in progress. */
+/* True if exports, previews, library calls or a save are in progress. */
 static bool has_jobs(const lf_server *server)
 {
     lf_job_told job;
-    return lf_saver_is_busy(server->saver) || lf_previews_busy(server->previews) ||
-           lf_jobs_at(server->jobs, 0, &job);
+    return lf_saver_is_busy(server->saver) || lf_previews_busy(server->gallery.previews) ||
+           lf_library_busy(server->gallery.library) ||
+           lf_errands_count(server->gallery.checks) > 0 || lf_jobs_at(server->jobs, 0, &job);
 }
 
 bool lf_server_is_stopping(const lf_server *server)
@@ -146,5 +151,6 @@ void lf_server_finish(lf_server *server)
         lf_loader_pending(server->loader) == 0)
         return;
     lf_engine_abandon(server->engine);
+    lf_web_child_destroy(server->life.web);
     _exit(server->life.exit_code);
 }

@@ -40,6 +40,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
     }
     lf_waits_look(server->waits);
     lf_play_shown(server->play, shown->generation, shown->level);
+    lf_playlist_shown(server->gallery.playlist, shown->generation, shown->level);
     lf_server_tell_card(server);
 }
 
@@ -109,8 +110,8 @@ static void load_succeeded(lf_server *server, lf_load *load)
             play_file(server, same);
             server->error.status = LF_OK;
             lf_server_watch(server);
-            lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
-                   (long long)load->generation,
+            lf_log(load->job.listed ? LF_LOG_DEBUG : LF_LOG_INFO, "%s: generation %lld%s",
+                   server->content->file, (long long)load->generation,
                    load->restored > 0 ? ", continuing from the saved state" : "");
         }
         lf_waits_look(server->waits);
@@ -121,7 +122,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
 static void load_failed(lf_server *server, const lf_load *load)
 {
     bool ended = load->status == LF_E_CANCELLED && !atomic_load(&load->job.cancelled);
-    if (!load->deferred && !load->played && !ended) {
+    if (!load->deferred && !load->played && !load->job.listed && !ended) {
         lf_log_error(&load->err);
         server->error = load->err;
     }
@@ -153,8 +154,11 @@ static void on_load_done(void *reader, lf_task *task)
         load_failed(server, load);
     if (load->played)
         lf_play_loaded(server->play, load->generation, load->status == LF_OK ? NULL : &load->err);
+    if (load->job.listed)
+        lf_playlist_loaded(server->gallery.playlist, load->generation,
+                           load->status == LF_OK ? NULL : &load->err);
     bool browsed = load->browsed;
-    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed;
+    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !load->job.listed;
     if (browsed && !lf_server_is_stopping(server))
         lf_presses_browsed(server->presses, load->file);
     if (load->reset && !lf_server_is_stopping(server))
@@ -196,6 +200,8 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
     load->task.done = on_load_done;
     load->meant = server->config.scene;
     load->deferred = deferred;
+    if (load->kind == LF_LOAD_FILE && deferred) /* a client shows something else */
+        lf_playlist_stop(server->gallery.playlist);
     if (server->life.phase != LF_PHASE_OPENING) {
         queue_load(server, load);
         return;

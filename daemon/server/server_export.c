@@ -114,14 +114,9 @@ static lf_status take_file(const lf_server *server, lf_export *what, const char 
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
     if (!what->kind)
         return LF_OK;
-    char *path = NULL;
     const lf_content *content = server->content;
-    status = lf_output_path(what->kind, what->file, content ? &content->layout : NULL, &path, err);
-    if (what->n_fds == 0)
-        what->name = path;
-    else
-        lf_free(path);
-    return status;
+    return lf_output_path(what->kind, what->file, content ? &content->layout : NULL, &what->name,
+                          err);
 }
 
 /* A state can be saved from the first pass on, a picture once it is coarse. */
@@ -220,7 +215,6 @@ void lf_server_export(lf_call *call)
         status = take_export(call, &what, &err);
     if (status == LF_OK)
         status = lf_jobs_add(server->jobs, server->n_jobs + 1, &what, &err);
-    lf_client_drop_fds(call->client); /* more descriptors came than announced */
     if (status != LF_OK) {
         release_client(server, &what.asker);
         lf_export_finish(&what);

@@ -7,13 +7,16 @@
  *   server_device.c   the panel (daemon/show) as clients see it.
  *   server_card.c     text on the panel if there is no picture.
  *   server_buttons.c  actions of its buttons.
+ *   server_doctor.c   what panels and system lack (daemon/parts/doctor.h).
  *   server_engine.c   results of the engine and the loader.
  *   server_status.c   the daemon's state in words.
  *   server_log.c      the last lines of the log, and new ones as notifications.
  *   server_signals.c  signals, timers.
- *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts).
+ *   server_parts.c    playback, saving, watching, waits, loading, quiltweb (daemon/parts).
  *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
  *   server_preview.c  frame.get (daemon/parts/previews.h).
+ *   server_playlist.c the slideshow (daemon/parts/play_list.h): its methods, loads, notification.
+ *   server_library.c  library.list, library.thumbnail (daemon/parts/library.h).
  *   call.c            answers of methods, paths of clients.
  *   methods*.c        the table of methods, and parsing their lines.
  *
@@ -24,22 +27,27 @@
 #include "daemon/engine/engine.h"
 #include "daemon/engine/loader.h"
 #include "daemon/parts/jobs.h"
+#include "daemon/parts/library.h"
 #include "daemon/parts/loading.h"
 #include "daemon/parts/parser.h"
 #include "daemon/parts/play.h"
+#include "daemon/parts/play_list.h"
 #include "daemon/parts/presses.h"
 #include "daemon/parts/previews.h"
 #include "daemon/parts/releaser.h"
 #include "daemon/parts/saver.h"
 #include "daemon/parts/waits.h"
 #include "daemon/parts/watch.h"
+#include "daemon/parts/web_child.h"
 #include "daemon/server/server.h"
 #include "daemon/show/show.h"
+#include "daemon/threads/errands.h"
 #include "daemon/wire/deferred.h"
 #include "daemon/wire/listen.h"
 #include "daemon/wire/notify.h"
 
 typedef struct lf_server lf_server;
+typedef struct lf_examination lf_examination; /* server_doctor.c */
 
 /* A call being answered by its method. */
 typedef struct lf_call {
@@ -72,6 +80,15 @@ typedef struct lf_log_watch {
     int64_t sent; /* number of the last line that was sent */
 } lf_log_watch;
 
+/* Images and files for clients: server_preview.c, server_library.c, server_playlist.c. */
+typedef struct lf_gallery {
+    lf_previews *previews;
+    lf_library *library;
+    lf_playlist *playlist;
+    lf_errands *checks; /* entries of playlist.set */
+    int64_t listed;     /* number of the playlist's last load; 0: not queued yet */
+} lf_gallery;
+
 /* The daemon from its start to its end: server.c. */
 typedef struct lf_life {
     lf_life_phase phase;
@@ -82,6 +99,8 @@ typedef struct lf_life {
     int reloads;     /* reloads by systemd that have not ended */
     lf_card card;
     lf_log_watch log;
+    lf_web_child *web;   /* NULL without --web */
+    lf_examination *examination; /* for doctor, in progress; NULL: none */
     lf_load_words words; /* parameters of the shown file, for reading it again */
     lf_task *held;       /* loads that arrived before the scene of the command line */
     /* CPU seconds of the longest turn of the event loop (turns.h) */
@@ -117,7 +136,7 @@ struct lf_server {
     lf_shown shown;        /* the frame on the panel */
     lf_waits *waits;
     lf_jobs *jobs;
-    lf_previews *previews;
+    lf_gallery gallery;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
 
@@ -145,6 +164,13 @@ json_t *lf_server_device_json(const lf_server *server);
 LF_NODISCARD lf_status lf_server_make_card(lf_server *server);
 /* Updates the card, whose text may have changed. */
 void lf_server_tell_card(lf_server *server);
+
+/* --------------------------------------------------------------------------- server_doctor.c -- */
+
+/* Examines panels and system; the call is answered when all is known. */
+void lf_server_doctor(lf_call *call);
+/* An event of the show: the examination has ended. */
+void lf_server_examined(void *context, void *examination, const lf_error *err);
 
 /* -------------------------------------------------------------------------- server_buttons.c -- */
 
@@ -205,6 +231,8 @@ LF_NODISCARD lf_status lf_server_make_saver(lf_server *server, lf_error *err);
 LF_NODISCARD lf_status lf_server_make_play(lf_server *server);
 /* --watch. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_make_watch(lf_server *server, lf_error *err);
+/* --web: starts quiltweb. If that fails, the log has the reason, and quiltd goes on without it. */
+void lf_server_start_web(lf_server *server);
 /* LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_make_waits(lf_server *server);
 /* LF_E_NOMEM. */
@@ -227,6 +255,28 @@ json_t *lf_server_jobs_json(const lf_server *server);
 LF_NODISCARD lf_status lf_server_make_previews(lf_server *server);
 /* Starts writing the shown image; the call is answered when it is written. */
 void lf_server_preview(lf_call *call);
+
+/* ------------------------------------------------------------------------- server_playlist.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_playlist(lf_server *server);
+/* The methods. playlist.set is answered when the paths of its entries have been checked. */
+void lf_server_playlist_set(lf_call *call);
+void lf_server_playlist_get(lf_call *call);
+void lf_server_playlist_play(lf_call *call);
+void lf_server_playlist_stop(lf_call *call);
+void lf_server_playlist_next(lf_call *call);
+void lf_server_playlist_previous(lf_call *call);
+/* The playlist as in `status`; null: no entries. */
+json_t *lf_server_playlist_json(const lf_server *server);
+
+/* -------------------------------------------------------------------------- server_library.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_library(lf_server *server);
+/* Start listing a folder, or making a thumbnail; the call is answered at the end. */
+void lf_server_library_list(lf_call *call);
+void lf_server_thumbnail(lf_call *call);
 
 /* ------------------------------------------------------------------------------ server_log.c -- */
 
@@ -259,6 +309,12 @@ LF_NODISCARD lf_status lf_check_former(const json_t *schema, json_t *params, con
                                        lf_error *err);
 /* The value of a parameter under its current or its former name, borrowed; NULL: under neither. */
 const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former);
+/* The absolute path (lf_free) of a client's path parameter. Relative ones start at the folder of
+ * the scene the daemon was started with; quiltctl makes them absolute. NULL: out of memory. */
+char *lf_server_absolute(const lf_server *server, const char *path);
+/* lf_roots_resolve; of a name with a frame number, only the folder must exist. Thread: any. */
+LF_NODISCARD lf_status lf_server_resolve(const lf_roots *roots, const char *name, char **out_path,
+                                         lf_error *why);
 /* Resolves a client's path parameter. It must be inside the roots (LF_E_PATH, whether or not it
  * exists) and exist (LF_E_IO). Relative paths start at the folder of the scene the daemon was
  * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_ARG (empty),

@@ -1,5 +1,7 @@
-/* Playback, saving, watching, waits and loading (daemon/parts), and reactions to their events. */
+/* Playback, saving, watching, waits, loading and quiltweb (daemon/parts), and reactions to their
+ * events. */
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/server/server_internal.h"
 
 /* ------------------------------------------------------------------------------------ saving -- */
@@ -181,4 +183,21 @@ lf_status lf_server_make_loading(lf_server *server)
 {
     static const lf_loading_events events = {.is_vain = on_vain_load, .reads = on_reads};
     return lf_loading_create(server->event, server->loader, &events, server, &server->loading);
+}
+
+/* ---------------------------------------------------------------------------------- quiltweb -- */
+
+void lf_server_start_web(lf_server *server)
+{
+    lf_error err;
+    const char *socket = server->listener.path;
+    if (!server->config.web)
+        return;
+    lf_status status =
+        socket ? lf_web_child_create(server->event, socket, server->config.web_port,
+                                     &server->life.web, &err)
+               : lf_error_set(&err, LF_E_STATE, "--web",
+                              "the socket from systemd has no path; start quiltweb by itself");
+    if (status != LF_OK)
+        lf_log_error(&err);
 }

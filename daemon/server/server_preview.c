@@ -30,7 +30,7 @@ static lf_status check(const lf_call *call, lf_error *err)
     if (!server->content)
         return lf_error_set(err, LF_E_STATE, call->method,
                             "there is no image; call scene.load first");
-    return lf_previews_check_room(server->previews, lf_client_serial(call->client), err);
+    return lf_previews_check_room(server->gallery.previews, lf_client_serial(call->client), err);
 }
 
 void lf_server_preview(lf_call *call)
@@ -56,7 +56,7 @@ void lf_server_preview(lf_call *call)
     what.call = deferred;
     if (!deferred)
         close(what.fd);
-    else if (lf_previews_add(call->server->previews, &what, &err) != LF_OK)
+    else if (lf_previews_add(call->server->gallery.previews, &what, &err) != LF_OK)
         lf_deferred_fail(deferred, &err, false);
 }
 
@@ -86,5 +86,6 @@ static void on_ended(void *context, const lf_preview *asked, const lf_preview_wr
 
 lf_status lf_server_make_previews(lf_server *server)
 {
-    return lf_previews_create(&server->inbox, server->engine, on_ended, server, &server->previews);
+    return lf_previews_create(&server->inbox, server->engine, on_ended, server,
+                              &server->gallery.previews);
 }

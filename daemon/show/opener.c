@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "device/find/find.h"
 
 enum { MAX_FOUND = 16 };
 
@@ -92,6 +91,19 @@ static lf_status list_devices(lf_opener_request *request)
     return LF_OK;
 }
 
+static lf_status examine(lf_opener_request *request)
+{
+    lf_status status = list_devices(request);
+    lf_found *found = status == LF_OK ? lf_calloc(MAX_FOUND, sizeof *found) : NULL;
+    if (found)
+        request->look(request->answer, request->devices, request->n_devices, found,
+                      lf_find_all(found, MAX_FOUND));
+    else if (status == LF_OK)
+        status = lf_error_set(&request->err, LF_E_NOMEM, "doctor", "out of memory");
+    lf_free(found);
+    return status;
+}
+
 static void run_task(void *context, lf_task *task)
 {
     lf_opener_request *request = (lf_opener_request *)(void *)task;
@@ -111,6 +123,9 @@ static void run_task(void *context, lf_task *task)
         break;
     case LF_OPENER_LIST:
         request->status = list_devices(request);
+        break;
+    case LF_OPENER_EXAMINE:
+        request->status = examine(request);
         break;
     }
 }
@@ -153,6 +168,7 @@ static lf_opener_queue queue_of_request(const lf_opener_request *request)
         return LF_QUEUE_LIST;
     case LF_OPENER_BUTTONS:
     case LF_OPENER_CHECK:
+    case LF_OPENER_EXAMINE:
         break;
     }
     return LF_QUEUE_BUTTONS;

@@ -8,6 +8,7 @@
 #include "daemon/threads/worker.h"
 #include "device/device.h"
 #include "device/find/edid.h"
+#include "device/find/find.h"
 #include "device/hid/buttons.h"
 
 typedef enum lf_opener_kind {
@@ -17,6 +18,7 @@ typedef enum lf_opener_kind {
     LF_OPENER_BUTTONS, /* open the buttons of the panel with this serial number */
     /* check whether the connected panel's calibration differs from the cached one */
     LF_OPENER_CHECK,
+    LF_OPENER_EXAMINE, /* list devices and calibrations for `look` */
 } lf_opener_kind;
 
 /* Each queue has a thread. */
@@ -24,7 +26,7 @@ typedef enum lf_opener_queue {
     LF_QUEUE_PANELS,  /* opening and closing hardware, or devices that may be hardware (auto) */
     LF_QUEUE_FILES,   /* opening and closing devices that are not hardware, without waiting for
                        * hardware */
-    LF_QUEUE_BUTTONS, /* buttons and checks: they read EEPROMs and drives */
+    LF_QUEUE_BUTTONS, /* buttons, checks and examinations: they read EEPROMs and drives */
     LF_QUEUE_LIST,    /* listing, which opens nothing */
     LF_OPENER_QUEUES,
 } lf_opener_queue;
@@ -33,6 +35,10 @@ typedef enum lf_opener_queue {
 lf_opener_queue lf_opener_queue_of(const char *spec);
 
 #define LF_LISTED_DEVICES 16
+
+/* Gets what an examination has found. */
+typedef void (*lf_look_fn)(void *answer, const lf_device_info *devices, int n_devices,
+                           const lf_found *found, int n_found);
 
 typedef struct lf_opener_request {
     lf_task task; /* posted when done; the poster sets `done` */
@@ -44,6 +50,7 @@ typedef struct lf_opener_request {
                       * a device that shows nothing */
     lf_calibration used; /* CHECK: the cached calibration … */
     lf_edid display;     /* … and the display it was found for */
+    lf_look_fn look;     /* EXAMINE: called on the queue's thread, with `answer` */
     /* the poster's own */
     void *owner, *answer;
     struct lf_opener_request *next;
@@ -60,7 +67,7 @@ typedef struct lf_opener_request {
      * CLOSE: the device to close. */
     lf_device *device;
     lf_buttons *buttons;     /* BUTTONS and CLOSE: likewise; LF_E_NODEV: the panel has no buttons */
-    int n_devices;           /* LIST */
+    int n_devices;           /* LIST, EXAMINE */
     lf_device_info *devices; /* [n_devices], owned */
 } lf_opener_request;
 

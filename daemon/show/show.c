@@ -192,6 +192,29 @@ lf_status lf_show_list(lf_show *show, void *answer)
     return LF_OK;
 }
 
+static void on_examined(void *reader, lf_task *task)
+{
+    lf_opener_request *request = (lf_opener_request *)(void *)task;
+    const lf_show *show = request->owner;
+    const lf_error *err = request->status == LF_OK ? NULL : &request->err;
+    (void)reader;
+    show->events.examined(show->context, request->answer, err);
+    lf_opener_request_destroy(request);
+}
+
+lf_status lf_show_examine(lf_show *show, lf_look_fn look, void *answer)
+{
+    lf_opener_request *request = lf_opener_request_create(LF_OPENER_EXAMINE);
+    if (!request)
+        return LF_E_NOMEM;
+    request->task.done = on_examined;
+    request->owner = show;
+    request->look = look;
+    request->answer = answer;
+    lf_opener_submit(show->opener, request);
+    return LF_OK;
+}
+
 /* ----------------------------------------------------------------------------------- the end -- */
 
 void lf_show_stop(lf_show *show)

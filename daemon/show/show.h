@@ -14,6 +14,7 @@
 #include <systemd/sd-event.h>
 
 #include "daemon/engine/mailbox.h"
+#include "daemon/show/opener.h"
 #include "daemon/threads/inbox.h"
 #include "device/device.h"
 #include "device/hid/buttons.h"
@@ -37,6 +38,8 @@ typedef struct lf_show_events {
     /* lf_show_list with this `answer` has ended; err NULL = devices[n] are the devices found. */
     void (*listed)(void *context, void *answer, const lf_device_info *devices, int n,
                    const lf_error *err);
+    /* lf_show_examine with this `answer` has ended; err NULL = `look` has got what was found. */
+    void (*examined)(void *context, void *answer, const lf_error *err);
     /* The device, or the reason why there is none, has changed. */
     void (*changed)(void *context);
     /* From now on make frames for this calibration (NULL: for none) with the number `panel`. views:
@@ -76,6 +79,9 @@ void lf_show_watch_plugs(lf_show *show);
 LF_NODISCARD lf_status lf_show_open(lf_show *show, const char *spec, void *answer, lf_error *err);
 /* Searches for devices; the event `listed` follows with `answer`. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_show_list(lf_show *show, void *answer);
+/* Searches for devices and for calibrations, which may take a minute: `look` is called with them
+ * and with `answer`, on the thread that has searched. The event `examined` follows. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_show_examine(lf_show *show, lf_look_fn look, void *answer);
 /* A new frame may be ready: pushes it if the panel can take one. */
 void lf_show_pump(lf_show *show);
 

@@ -28,17 +28,17 @@ LF_NODISCARD lf_status lf_ctl_next(lf_ctl *ctl, json_t **out_message, lf_error *
  * progress if stderr is a terminal. params: of `export`, with kind and file; ownership is taken. */
 LF_NODISCARD lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result,
                                      lf_error *err);
-/* Calls frame.get with a file, which is opened here and published once it is written. Takes
- * ownership of params. LF_E_EXISTS: the file exists. */
-LF_NODISCARD lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params,
-                                    json_t **out_result, lf_error *err);
+/* Calls frame.get or library.thumbnail with a file, which is opened here and published once it is
+ * written. Takes ownership of params. LF_E_EXISTS: the file exists. */
+LF_NODISCARD lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file,
+                                    json_t *params, json_t **out_result, lf_error *err);
+/* Calls quilt.show with an image file, which is opened here. Takes ownership of params. */
+LF_NODISCARD lf_status lf_ctl_show_quilt(lf_ctl *ctl, const char *file, json_t *params,
+                                         json_t **out_result, lf_error *err);
 /* One status line for people: state, time, passes, error and estimated time to the target error.
- * look: zeroed at first, then as left by the previous line. Returns line. */
+ * Returns line. */
 #define LF_CTL_LINE 512
-typedef struct lf_ctl_look {
-    double error, seconds; /* error estimate, and rendering time at which it was first seen */
-} lf_ctl_look;
-char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CTL_LINE]);
+char *lf_ctl_watch_line(const json_t *status, char line[LF_CTL_LINE]);
 /* Prints that line until the connection ends or SIGINT. A terminal shows it in place; otherwise
  * prints it when the state changes and every 30 seconds. */
 LF_NODISCARD lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err);

@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "daemon/parts/doctor.h"
 #include "daemon/tools/ctl.h"
-#include "daemon/tools/doctor.h"
 
 enum { MAX_DEVICES = 32, MAX_FOUND = 32 };
 
@@ -62,8 +62,17 @@ static void ask_systemd(char *out, size_t size)
         (void)waitpid(pid, NULL, 0);
 }
 
+static void print_finding(void *context, lf_doctor_level level, const char *text)
+{
+    static const char *const heads[] = {"ok   ", "note ", "FAIL "};
+    bool *sound = context;
+    *sound = *sound && level != LF_DOCTOR_FAIL;
+    printf("%s %s\n", heads[level], text);
+}
+
 bool lf_ctl_doctor(const char *socket)
 {
+    bool sound = true;
     lf_error no_answer = {0};
     lf_device_info devices[MAX_DEVICES];
     lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
@@ -80,7 +89,7 @@ bool lf_ctl_doctor(const char *socket)
         .n_found = found ? lf_find_all(found, MAX_FOUND) : 0,
         .unit = unit,
     };
-    bool sound = lf_doctor_judge(&facts, stdout);
+    lf_doctor_judge(&facts, print_finding, &sound);
     json_decref(status);
     lf_free(found);
     return sound;

@@ -1,6 +1,7 @@
 /* quiltctl's exports: files are opened here, with the caller's rights, and published when the
  * daemon reports that the job is done. */
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,8 +187,8 @@ end:
     return status;
 }
 
-lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params, json_t **out_result,
-                       lf_error *err)
+lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file, json_t *params,
+                       json_t **out_result, lf_error *err)
 {
     lf_outfile image;
     lf_status status = lf_outfile_open(&image, file, false, err);
@@ -196,7 +197,7 @@ lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params, json_t **o
         return status;
     }
     json_t *result = NULL;
-    status = lf_ctl_call(ctl, "frame.get", params, &image.fd, 1, &result, NULL, err);
+    status = lf_ctl_call(ctl, method, params, &image.fd, 1, &result, NULL, err);
     if (status == LF_OK)
         status = lf_outfile_commit(&image, false, err);
     else
@@ -205,5 +206,21 @@ lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params, json_t **o
         *out_result = result;
     else
         json_decref(result);
+    return status;
+}
+
+lf_status lf_ctl_show_quilt(lf_ctl *ctl, const char *file, json_t *params, json_t **out_result,
+                            lf_error *err)
+{
+    const char *slash = strrchr(file, '/');
+    int fd = open(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0) {
+        json_decref(params);
+        return lf_error_set(err, LF_E_IO, file, "cannot open: %s", lf_errno_text(errno));
+    }
+    if (!json_object_get(params, "name"))
+        json_object_set_new(params, "name", json_string(slash ? slash + 1 : file));
+    lf_status status = lf_ctl_call(ctl, "quilt.show", params, &fd, 1, out_result, NULL, err);
+    close(fd);
     return status;
 }

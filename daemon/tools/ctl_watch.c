@@ -1,5 +1,4 @@
 /* quiltctl watch: a status line for people. */
-#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -60,33 +59,23 @@ static const char *name_of(const json_t *object, const char *key)
     return slash ? slash + 1 : path;
 }
 
-/* The error falls as 1 / time; its time is when the estimate last changed. */
-static double seconds_left(const json_t *status, double error, double target, lf_ctl_look *look)
-{
-    const double now = number(status, "seconds");
-    if (look->error != error || look->seconds > now)
-        *look = (lf_ctl_look){error, now};
-    return fmax(0, look->seconds * error / target - now);
-}
-
-static void add_error(const json_t *status, lf_ctl_look *look, char *line)
+static void add_error(const json_t *status, char *line)
 {
     const json_t *error = json_object_get(status, "error_estimate");
-    const double now = json_number_value(error), target = number(status, "target_error");
     char words[96];
     if (!json_is_number(error))
         return;
-    snprintf(words, sizeof words, ", error %.2g", now);
+    snprintf(words, sizeof words, ", error %.2g", json_number_value(error));
     add(line, words);
-    if (target <= 0 || now <= target)
+    if (number(status, "seconds_left") <= 0)
         return;
     add(line, ", about ");
-    add_time(line, seconds_left(status, now, target, look));
-    snprintf(words, sizeof words, " left to %.2g", target);
+    add_time(line, number(status, "seconds_left"));
+    snprintf(words, sizeof words, " left to %.2g", number(status, "target_error"));
     add(line, words);
 }
 
-static void add_work(const json_t *status, lf_ctl_look *look, char *line)
+static void add_work(const json_t *status, char *line)
 {
     char words[64];
     const double passes = number(status, "passes");
@@ -94,7 +83,7 @@ static void add_work(const json_t *status, lf_ctl_look *look, char *line)
     add_time(line, number(status, "seconds"));
     snprintf(words, sizeof words, passes < 10 ? ", %.1f passes" : ", %.0f passes", passes);
     add(line, words);
-    add_error(status, look, line);
+    add_error(status, line);
 }
 
 static void add_reading(const json_t *status, char *line)
@@ -132,7 +121,7 @@ static void add_panel(const json_t *status, char *line)
     }
 }
 
-static void add_state(const json_t *status, lf_ctl_look *look, char *line)
+static void add_state(const json_t *status, char *line)
 {
     const char *state = text(status, "state");
     const bool is_quilt = json_is_true(json_object_get(status, "is_quilt"));
@@ -151,15 +140,15 @@ static void add_state(const json_t *status, lf_ctl_look *look, char *line)
                   : strcmp(state, "paused") == 0    ? ": paused"
                                                     : ": not rendering");
         if (!is_quilt)
-            add_work(status, look, line);
+            add_work(status, line);
         add_panel(status, line);
     }
 }
 
-char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CTL_LINE])
+char *lf_ctl_watch_line(const json_t *status, char line[LF_CTL_LINE])
 {
     line[0] = '\0';
-    add_state(status, look, line);
+    add_state(status, line);
     return line;
 }
 
@@ -169,7 +158,6 @@ char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CT
 typedef struct told {
     char state[32];
     double at; /* 0: none */
-    lf_ctl_look look;
 } told;
 
 static bool is_due(const json_t *status, const told *last)
@@ -194,7 +182,7 @@ static void print_line(const json_t *status, told *last)
 {
     char line[LF_CTL_LINE];
     struct winsize window = {0};
-    lf_ctl_watch_line(status, &last->look, line);
+    lf_ctl_watch_line(status, line);
     if (isatty(STDOUT_FILENO)) {
         (void)ioctl(STDOUT_FILENO, TIOCGWINSZ, &window);
         printf("\r%.*s\033[K", fit(line, window.ws_col > 1 ? window.ws_col - 1 : 79), line);

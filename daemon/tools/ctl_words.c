@@ -15,7 +15,7 @@ static int count_methods(void)
 
 const char *lf_ctl_operand_at(int index)
 {
-    static const char *const own[] = {"watch", "doctor", NULL};
+    static const char *const own[] = {"watch", NULL};
     int n = count_methods();
     return index < n ? lf_method_at(index)->name : own[index - n];
 }

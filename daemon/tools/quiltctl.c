@@ -42,7 +42,7 @@ typedef struct arguments {
     format format;
     double timeout; /* seconds; 0 = none */
     const char *method;
-    const char *file;   /* of frame.get, to be written; NULL: another method */
+    const char *file;   /* to be written (writes_file) or of quilt.show; NULL: another method */
     char *const *words; /* words after the method and this file */
     int n_words;
 } arguments;
@@ -53,6 +53,8 @@ static void print_help(void)
            "       quiltctl [--socket PATH] watch\n"
            "       quiltctl [--socket PATH] doctor\n"
            "       quiltctl [--socket PATH] frame.get FILE [key=value ...]\n"
+           "       quiltctl [--socket PATH] library.thumbnail FILE file=IMAGE [width=PIXELS]\n"
+           "       quiltctl [--socket PATH] quilt.show FILE columns=N rows=N [key=value ...]\n"
            "       quiltctl [--socket PATH] export "
            "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
            "                [key=value ...]\n"
@@ -105,6 +107,12 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     return LF_OK;
 }
 
+/* The daemon writes the result of these methods into a file of the caller. */
+static bool writes_file(const char *method)
+{
+    return strcmp(method, "frame.get") == 0 || strcmp(method, "library.thumbnail") == 0;
+}
+
 static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool *out_done,
                                 lf_error *err)
 {
@@ -125,10 +133,13 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     a->method = argv[optind];
     a->words = argv + optind + 1;
     a->n_words = argc - optind - 1;
-    if (strcmp(a->method, "frame.get") == 0) {
+    const bool shows = strcmp(a->method, "quilt.show") == 0;
+    if (shows || writes_file(a->method)) {
         if (a->n_words == 0 || strchr(a->words[0], '='))
             return lf_error_set(err, LF_E_ARG, a->method,
-                                "expects the name of a file to write first, such as image.jpg");
+                                shows ? "expects the name of an image file first, such as quilt.png"
+                                      : "expects the name of a file to write first, such as "
+                                        "image.jpg");
         a->file = *a->words++;
         a->n_words--;
     }
@@ -188,6 +199,7 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
     if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
         make_absolute(params, "file");
     make_absolute(params, "icc");
+    make_absolute(params, "folder");
     make_spec_absolute(params);
     return lf_schema_check(schema, params, a->method, err);
 }
@@ -244,8 +256,10 @@ static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *
 static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json_t *params,
                       json_t **out_result, lf_error *err)
 {
+    if (a->file && strcmp(a->method, "quilt.show") == 0)
+        return lf_ctl_show_quilt(ctl, a->file, params, out_result, err);
     if (a->file)
-        return lf_ctl_frame(ctl, a->file, params, out_result, err);
+        return lf_ctl_image(ctl, a->method, a->file, params, out_result, err);
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
     /* older daemons accept none */

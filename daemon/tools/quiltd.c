@@ -20,6 +20,7 @@ enum {
     OPTION_WATCH,
     OPTION_RUN_FOR,
     OPTION_BUTTONS,
+    OPTION_WEB,
 };
 
 static const struct option table[] = {
@@ -31,6 +32,7 @@ static const struct option table[] = {
     {"watch", no_argument, NULL, OPTION_WATCH},
     {"run-for", required_argument, NULL, OPTION_RUN_FOR},
     {"buttons", required_argument, NULL, OPTION_BUTTONS},
+    {"web", optional_argument, NULL, OPTION_WEB},
     {NULL, 0, NULL, 0},
 };
 
@@ -63,6 +65,8 @@ static void print_help(void)
            "  --buttons LIST         actions of the panel's buttons: none, next, previous, pause "
            "or reset\n"
            "                         (square=pause,left=previous,right=next,circle=reset)\n"
+           "  --web[=PORT]           also start quiltweb and print the URL of its page\n"
+           "                         (8033; 0: any free port)\n"
            "  --watch                reload the scene when its file or an included file changes\n"
            "  --run-for SECONDS      exit after SECONDS\n" LF_OPTIONS_HELP_LAST
                LF_OPTIONS_HELP_SHELLS);
@@ -89,6 +93,9 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return LF_OK;
     case OPTION_BUTTONS:
         return lf_button_actions_parse(text, &config->buttons, err);
+    case OPTION_WEB:
+        config->web = true;
+        return text ? lf_parse_small("--web", text, 0, 65535, &config->web_port, err) : LF_OK;
     case OPTION_RUN_FOR:
         return lf_parse_double("--run-for", text, 0.001, 1e9, &config->run_for, err);
     case OPTION_ALLOW_PATH:
@@ -131,7 +138,7 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
 
 int main(int argc, char *argv[])
 {
-    lf_server_config config = {.device = "auto"};
+    lf_server_config config = {.device = "auto", .web_port = LF_SERVER_WEB_PORT};
     const lf_options_part parts[] = {{lf_option_params, shared, &config.options},
                                      {lf_response_params, NULL, &config.response},
                                      {lf_alone_params, NULL, &config.options.alone},

@@ -98,7 +98,9 @@ static int run(const lf_render_arguments *a)
     else if (status == LF_OK)
         status = r.sequence.on ? lf_rendering_frames(&r, &err) : make_one(&r, &err);
     lf_progress_line_clear(&r.line);
-    if (status != LF_OK) {
+    if (status == LF_E_ARG && strncmp(err.where, "--", 2) == 0) {
+        code = lf_usage_error(PROGRAM, &err); /* found only with the renderer */
+    } else if (status != LF_OK) {
         lf_log_error(&err);
         code = r.state.is_kept && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
     } else if (!a->plan) {

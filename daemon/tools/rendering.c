@@ -86,14 +86,19 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 
 /* --------------------------------------------------------------------------------- rendering -- */
 
-/* Warns of a depth that exceeds the limit. */
+/* Warns of a depth that exceeds the limit, and of guides without a limit. */
 static void warn_of_depth(const lf_rendering *r)
 {
     const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
     lf_depth depth;
     char words[LF_DEPTH_WORDS];
-    if (lf_scene_depth(r->scene, &r->settings, &depth) &&
-        lf_depth_exceeds(&depth, &r->settings.camera, place))
+    if (!lf_scene_depth(r->scene, &r->settings, &depth)) {
+        if (r->arguments->options.guides)
+            lf_log(LF_LOG_WARNING, "--guides: marks nothing; it needs objects in front of at least "
+                                   "two views with the same window");
+        return;
+    }
+    if (lf_depth_exceeds(&depth, &r->settings.camera, place))
         lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene,
                lf_depth_words(&depth, r->settings.width, place, words, sizeof words));
 }

@@ -31,6 +31,17 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
     return status;
 }
 
+/* Adds the frame to an error in its files. */
+static lf_status tell_frame(int frame, int first, lf_error *err)
+{
+    const lf_error was = *err;
+    char before[64] = "";
+    if (frame > first)
+        snprintf(before, sizeof before, "; use --frames %d:%d", first, frame - 1);
+    return lf_error_set_at(err, was.status, was.where, was.line, was.pointer, "frame %d: %s%s",
+                           frame, was.what, before);
+}
+
 /* Counts and marks the frames to render: out_wanted[frame - first]. Also checks their files, so
  * that hours of rendering do not end at a missing file. */
 static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
@@ -40,8 +51,9 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     for (int frame = frames->first; frame <= frames->last; frame++) {
         bool kept;
         lf_status status = take_frame(r, frame, &kept, err);
-        if (status == LF_OK && !kept && !frames->of_rows)
-            status = lf_scene_check_frame(r->scene, frame, err);
+        if (status == LF_OK && !kept && !frames->of_rows &&
+            lf_scene_check_frame(r->scene, frame, err) != LF_OK)
+            status = tell_frame(frame, frames->first, err);
         if (status != LF_OK)
             return status;
         n_kept += kept;

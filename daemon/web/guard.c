@@ -5,6 +5,7 @@
 
 #include "base/number.h"
 
+static const char https[] = "https://";
 static const char *const names[LF_GUARD_NAMES] = {"localhost", "127.0.0.1", "[::1]"};
 
 lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err)
@@ -13,15 +14,45 @@ lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err)
         /* browsers leave out the port of http */
         snprintf(guard->hosts[i], sizeof guard->hosts[i], port == 80 ? "%s" : "%s:%d", names[i],
                  port);
+    guard->public_origin[0] = '\0';
     snprintf(guard->cookie, sizeof guard->cookie, "quiltweb-%d", port);
     lf_status status = lf_secret_draw(&guard->token, err);
     return status == LF_OK ? lf_secret_draw(&guard->session, err) : status;
+}
+
+lf_status lf_guard_set_public(lf_guard *guard, const char *origin, lf_error *err)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789-.";
+    const size_t scheme = strlen(https);
+    const bool is_https = strncmp(origin, https, scheme) == 0;
+    const char *name = origin + (is_https ? scheme : 0);
+    const size_t n = strspn(name, letters);
+    uint64_t port = 0;
+    const bool has_port = name[n] == ':';
+    if (!is_https || n == 0 || strlen(origin) >= sizeof guard->public_origin ||
+        (name[n] && !has_port) ||
+        (has_port && (!lf_whole_is(name + n + 1, &port) || port < 1 || port > 65535)))
+        return lf_error_set(err, LF_E_ARG, "--public",
+                            "expects https://NAME or https://NAME:PORT, without a path, got \"%s\"",
+                            origin);
+    /* browsers leave out the port of https */
+    snprintf(guard->public_origin, sizeof guard->public_origin, "%.*s",
+             (int)(port == 443 ? scheme + n : strlen(origin)), origin);
+    return LF_OK;
+}
+
+bool lf_guard_is_public(const lf_guard *guard, const lf_guard_request *request)
+{
+    return guard->public_origin[0] && request->hosts == 1 &&
+           strcmp(request->host, guard->public_origin + strlen(https)) == 0;
 }
 
 static bool is_our_host(const lf_guard *guard, const lf_guard_request *request)
 {
     if (request->hosts != 1)
         return false;
+    if (lf_guard_is_public(guard, request))
+        return true;
     for (int i = 0; i < LF_GUARD_NAMES; i++)
         if (strcmp(request->host, guard->hosts[i]) == 0)
             return true;
@@ -29,9 +60,9 @@ static bool is_our_host(const lf_guard *guard, const lf_guard_request *request)
 }
 
 /* The page's origin has the name under which the page was opened. */
-static bool is_our_origin(const lf_guard_request *request)
+static bool is_our_origin(const lf_guard *guard, const lf_guard_request *request)
 {
-    static const char scheme[] = "http://";
+    const char *scheme = lf_guard_is_public(guard, request) ? https : "http://";
     return request->origins == 1 && strncmp(request->origin, scheme, strlen(scheme)) == 0 &&
            strcmp(request->origin + strlen(scheme), request->host) == 0;
 }
@@ -69,7 +100,7 @@ int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const
     const int body = check_body(request, out_why);
     if (body != 0)
         return body;
-    if (request->origins > 0 && !is_our_origin(request))
+    if (request->origins > 0 && !is_our_origin(guard, request))
         return refuse(403, "the request comes from a page of another origin", out_why);
     return 0;
 }

@@ -22,17 +22,23 @@ typedef struct lf_guard_request {
     uint64_t body_limit; /* … of so many bytes at most */
 } lf_guard_request;
 
-enum { LF_GUARD_NAMES = 3 };
+enum { LF_GUARD_NAMES = 3, LF_GUARD_MAX_ORIGIN = 272 };
 
 typedef struct lf_guard {
     char hosts[LF_GUARD_NAMES][32]; /* accepted values of Host: "localhost:PORT" … */
-    char cookie[32];                /* name of the cookie; holds the port, which cookies ignore */
-    lf_secret token;                /* in the URL, and after "Bearer " */
-    lf_secret session;              /* in the cookie */
+    /* Origin of the page behind a server with TLS, "https://NAME" or "https://NAME:PORT"; "": none.
+     * What follows https:// is one more accepted Host. */
+    char public_origin[LF_GUARD_MAX_ORIGIN];
+    char cookie[32];   /* name of the cookie; holds the port, which cookies ignore */
+    lf_secret token;   /* in the URL, and after "Bearer " */
+    lf_secret session; /* in the cookie */
 } lf_guard;
 
 /* Draws both secrets for a server at this port. LF_E_IO. */
 LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
+
+/* Sets public_origin. LF_E_ARG: not https:// with a name in lower case, and perhaps a port. */
+LF_NODISCARD lf_status lf_guard_set_public(lf_guard *guard, const char *origin, lf_error *err);
 
 /* 0, or the status of HTTP with which the request is refused; *out_why: a line for the body.
  * - 421: not exactly one Host with a name and port of ours
@@ -42,6 +48,8 @@ LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
  * - 403: an Origin that is not ours */
 int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why);
 
+/* True if the request came through the server of public_origin. */
+bool lf_guard_is_public(const lf_guard *guard, const lf_guard_request *request);
 /* True if the request has the token as Authorization: Bearer. */
 bool lf_guard_has_token(const lf_guard *guard, const lf_guard_request *request);
 /* True if the request has the cookie of the session. */

@@ -1,7 +1,9 @@
 /* quiltweb: quiltd in a browser. See docs/man/quiltweb.1. */
+#include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/stat.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
@@ -21,42 +23,56 @@
 #define TEXT_OF(number) #number
 #define TEXT(number) TEXT_OF(number)
 
-enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_LISTEN, OPTION_URL_FILE, OPTION_UPLOAD_LIMIT };
+enum {
+    OPTION_SOCKET = LF_OPTION_OWN,
+    OPTION_LISTEN,
+    OPTION_URL_FILE,
+    OPTION_PUBLIC,
+    OPTION_UPLOAD_LIMIT,
+    OPTION_UNTIL,
+};
 
 static const struct option table[] = {
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"listen", required_argument, NULL, OPTION_LISTEN},
     {"url-file", required_argument, NULL, OPTION_URL_FILE},
+    {"public", required_argument, NULL, OPTION_PUBLIC},
     {"upload-limit", required_argument, NULL, OPTION_UPLOAD_LIMIT},
+    {"until-input-ends", no_argument, NULL, OPTION_UNTIL},
     {0},
 };
 
 typedef struct arguments {
-    const char *socket, *url_file;
+    const char *socket, *url_file, *public_origin;
     const char *listen[LF_WEB_MAX_LISTENERS];
     int n_listen;
     uint64_t upload_mib;
+    bool until_input_ends;
 } arguments;
 
 static void print_help(void)
 {
-    printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
-           "                [--upload-limit MIB]\n"
-           "Show what quiltd shows in a browser of this machine, and steer it there.\n"
-           "Prints the URL of the page, with a token that opens it.\n"
-           "\n"
-           "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
-           "quiltd.sock,\n"
-           "                         /run/quiltd/control.sock)\n"
-           "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
-           "                         given for both (" V4 " and " V6 ")\n"
-           "  --url-file FILE        write the URL into this file instead of printing it\n"
-           "  --upload-limit MIB     memory of all uploads together, 1 to " TEXT(
-               MAX_UPLOAD_MIB) "\n"
-                               "                         (" TEXT(
-                                   LF_WEB_UPLOAD_LIMIT_MIB) ")\n"
-                                                            "\n" LF_OPTIONS_HELP_LAST
-                                                                LF_OPTIONS_HELP_SHELLS);
+    printf(
+        "Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
+        "                [--public ORIGIN] [--upload-limit MIB]\n"
+        "Show what quiltd shows in a browser of this machine, and steer it there.\n"
+        "Prints the URL of the page, with a token that opens it.\n"
+        "\n"
+        "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
+        "quiltd.sock,\n"
+        "                         /run/quiltd/control.sock)\n"
+        "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
+        "                         given for both (" V4 " and " V6 ")\n"
+        "  --public ORIGIN        the page is reached as https://NAME, through a server with TLS\n"
+        "                         on this machine that keeps the Host header\n"
+        "  --url-file FILE        write the URL into this file instead of printing it\n"
+        "  --until-input-ends     exit when standard input is closed\n"
+        "  --upload-limit MIB     memory of all uploads together, 1 to " TEXT(
+            MAX_UPLOAD_MIB) "\n"
+                            "                         (" TEXT(
+                                LF_WEB_UPLOAD_LIMIT_MIB) ")\n"
+                                                         "\n" LF_OPTIONS_HELP_LAST
+                                                             LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -64,6 +80,10 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     arguments *a = context;
     if (code == OPTION_SOCKET)
         a->socket = text;
+    else if (code == OPTION_UNTIL)
+        a->until_input_ends = true;
+    else if (code == OPTION_PUBLIC)
+        a->public_origin = text;
     else if (code == OPTION_URL_FILE)
         a->url_file = text;
     else if (code == OPTION_UPLOAD_LIMIT && (!lf_whole_is(text, &a->upload_mib) ||
@@ -126,7 +146,7 @@ static lf_status open_listeners(const arguments *a, int fds[LF_WEB_MAX_LISTENERS
 
 static lf_status announce(const lf_web *web, const char *file, lf_error *err)
 {
-    char line[128];
+    char line[LF_WEB_URL_SIZE + 1];
     snprintf(line, sizeof line, "%s\n", lf_web_url(web));
     if (file)
         return lf_outfile_text(file, line, err);
@@ -141,6 +161,25 @@ static void close_all(const int *fds, int n)
         close(fds[i]);
 }
 
+static int on_input(sd_event_source *source, int fd, uint32_t what, void *context)
+{
+    char ignored[512];
+    (void)what;
+    (void)context;
+    const ssize_t n = read(fd, ignored, sizeof ignored);
+    if (n > 0 || (n < 0 && (errno == EAGAIN || errno == EINTR)))
+        return 0;
+    return sd_event_exit(sd_event_source_get_event(source), 0);
+}
+
+static lf_status watch_input(sd_event *event, lf_error *err)
+{
+    return sd_event_add_io(event, NULL, STDIN_FILENO, EPOLLIN, on_input, NULL) >= 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_ARG, "--until-input-ends",
+                              "expects a pipe or a terminal as standard input");
+}
+
 static lf_status run(const arguments *a, lf_error *err)
 {
     char path[512];
@@ -149,6 +188,7 @@ static lf_status run(const arguments *a, lf_error *err)
     lf_web *web = NULL;
     lf_web_config config = {.listen_fds = fds,
                             .socket = find_socket(a->socket, path, sizeof path),
+                            .public_origin = a->public_origin,
                             .upload_limit = a->upload_mib << 20};
     lf_status status = open_listeners(a, fds, &config.n_listen_fds, err);
     if (status != LF_OK)
@@ -160,6 +200,8 @@ static lf_status run(const arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     }
     status = lf_web_create(event, &config, &web, err);
+    if (status == LF_OK && a->until_input_ends)
+        status = watch_input(event, err);
     if (status == LF_OK)
         status = announce(web, a->url_file, err);
     if (status == LF_OK) {

@@ -114,12 +114,13 @@ enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t 
     return lf_reply_send(connection, MHD_HTTP_OK, response, "image/jpeg");
 }
 
-enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard)
+enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard,
+                                bool secure)
 {
     char cookie[128];
     struct MHD_Response *response = copy_of("");
-    snprintf(cookie, sizeof cookie, "%s=%s; SameSite=Strict; HttpOnly; Path=/", guard->cookie,
-             guard->session.text);
+    snprintf(cookie, sizeof cookie, "%s=%s; SameSite=Strict; HttpOnly; Path=/%s", guard->cookie,
+             guard->session.text, secure ? "; Secure" : "");
     if (response)
         MHD_add_response_header(response, "Set-Cookie", cookie);
     return lf_reply_send(connection, MHD_HTTP_NO_CONTENT, response, NULL);

@@ -25,8 +25,9 @@ enum MHD_Result lf_reply_json(struct MHD_Connection *connection, unsigned status
 enum MHD_Result lf_reply_metrics(struct MHD_Connection *connection, const char *text);
 /* A JPEG of size bytes; fd is closed by libmicrohttpd. */
 enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t size);
-/* 204 with the cookie of the session. */
-enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard);
+/* 204 with the cookie of the session; secure: for https alone. */
+enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard,
+                                bool secure);
 /* 101 for a handshake with this Sec-WebSocket-Key; then `upgraded` gets the socket. */
 enum MHD_Result lf_reply_upgrade(struct MHD_Connection *connection, const char *key,
                                  MHD_UpgradeHandler upgraded, void *context);

@@ -74,7 +74,7 @@ static enum MHD_Result act_page(lf_request *r)
 
 static enum MHD_Result act_login(lf_request *r)
 {
-    return lf_reply_cookie(r->connection, &r->web->guard);
+    return lf_reply_cookie(r->connection, &r->web->guard, r->secure);
 }
 
 static enum MHD_Result act_status(lf_request *r)

@@ -168,6 +168,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
                       .connection = connection,
                       .path = path,
                       .route = route,
+                      .secure = lf_guard_is_public(&web->guard, &headers),
                       .fd = -1,
                       .next = web->requests};
     web->requests = r;
@@ -266,7 +267,7 @@ static lf_status start(lf_web *web, lf_error *err)
 }
 
 /* Looks at the sockets, which must be at one port, and writes the URL of the first. */
-static lf_status look_at_listeners(lf_web *web, lf_error *err)
+static lf_status look_at_listeners(lf_web *web, const char *public_origin, lf_error *err)
 {
     lf_status status = LF_OK;
     bool v6 = false, first_v6 = false;
@@ -280,10 +281,17 @@ static lf_status look_at_listeners(lf_web *web, lf_error *err)
     }
     if (status == LF_OK)
         status = lf_guard_init(&web->guard, web->port, err);
-    if (status == LF_OK)
+    if (status == LF_OK && public_origin)
+        status = lf_guard_set_public(&web->guard, public_origin, err);
+    if (status != LF_OK)
+        return status;
+    if (public_origin)
+        snprintf(web->url, sizeof web->url, "%s/#%s", web->guard.public_origin,
+                 web->guard.token.text);
+    else
         snprintf(web->url, sizeof web->url, "http://%s:%d/#%s", first_v6 ? "[::1]" : "127.0.0.1",
                  web->port, web->guard.token.text);
-    return status;
+    return LF_OK;
 }
 
 lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **out, lf_error *err)
@@ -302,7 +310,7 @@ lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **o
                     .upload_limit = config->upload_limit,
                     .n_listeners = config->n_listen_fds};
     memcpy(web->listen_fd, config->listen_fds, (size_t)web->n_listeners * sizeof(int));
-    lf_status status = look_at_listeners(web, err);
+    lf_status status = look_at_listeners(web, config->public_origin, err);
     if (status == LF_OK)
         status = lf_uploads_create(event, config->upload_limit, &web->uploads, err);
     if (status == LF_OK)

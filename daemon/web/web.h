@@ -14,6 +14,7 @@
 
 #define LF_WEB_MAX_SESSIONS 16    /* WebSockets */
 #define LF_WEB_MAX_CONNECTIONS 64 /* of all kinds */
+#define LF_WEB_URL_SIZE 320
 #define LF_WEB_UPLOAD_LIMIT_MIB 1024
 
 typedef struct lf_web lf_web;
@@ -22,17 +23,20 @@ typedef struct lf_web_config {
     const int
         *listen_fds;  /* listening TCP sockets on loopback addresses, all at one port (listen.h) */
     int n_listen_fds; /* 1 to LF_WEB_MAX_LISTENERS */
-    const char *socket;    /* path of quiltd's */
-    uint64_t upload_limit; /* bytes of all uploads together */
+    const char *socket;        /* path of quiltd's */
+    const char *public_origin; /* of the page behind a server with TLS (guard.h); NULL: none */
+    uint64_t upload_limit;     /* bytes of all uploads together */
 } lf_web_config;
 
-/* Takes ownership of the sockets, also after failure. LF_E_ARG: one of them is something else. */
+/* Takes ownership of the sockets, also after failure. LF_E_ARG: one of them, or the origin, is
+ * something else. */
 LF_NODISCARD lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **out,
                                      lf_error *err);
 /* Ends all sessions. Accepts NULL. */
 void lf_web_destroy(lf_web *web);
 
-/* The URL of the page with the token in its fragment: "http://127.0.0.1:8033/#…". */
+/* The URL of the page with the token in its fragment: "http://127.0.0.1:8033/#…", or at the
+ * public origin. */
 const char *lf_web_url(const lf_web *web);
 int lf_web_port(const lf_web *web);
 /* Number of WebSockets. */

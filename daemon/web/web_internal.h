@@ -41,7 +41,7 @@ struct lf_web {
     uint64_t upload_limit;
     lf_guard guard;
     int port;
-    char url[96];
+    char url[LF_WEB_URL_SIZE];
     struct MHD_Daemon *http;
     sd_event_source *io, *timer; /* timer: libmicrohttpd wants to run */
     sd_event_source *accept[LF_WEB_MAX_LISTENERS];
@@ -85,6 +85,7 @@ struct lf_request {
     const char *path;
     const lf_route *route; /* NULL: it is answered */
     bool acted;
+    bool secure;      /* it came through the public server */
     json_t *query;    /* NULL: none was read */
     lf_fetch *fetch;  /* NULL: none was asked for */
     int fd;           /* that goes with the fetch; -1: none */

@@ -30,6 +30,12 @@ typedef struct buffer {
     size_t used, size;
 } buffer;
 
+/* A descriptor, and the end of the bytes that it came with, counted from the client's first. */
+typedef struct passed_fd {
+    int fd;
+    uint64_t end;
+} passed_fd;
+
 struct lf_client {
     lf_clients *owner;
     lf_client *next;
@@ -49,9 +55,12 @@ struct lf_client {
     int calls;
     size_t line, held; /* bytes of the line being handled; of the lines of open calls */
     size_t turn_bytes; /* bytes handled and sent in this turn */
+    uint64_t received; /* bytes received */
+    uint64_t line_end; /* of these, up to the end of the line being handled */
     unsigned flags;
-    int fds[LF_MAX_CLIENT_FDS];
-    int n_fds;
+    uint64_t denied;
+    passed_fd fds[LF_MAX_CLIENT_FDS]; /* in the order of their arrival */
+    int n_fds, line_fds; /* all, and the first of them, which are for the line being handled */
 };
 
 struct lf_clients {
@@ -108,6 +117,46 @@ static void drop(lf_client *client)
     client->dropped = true;
 }
 
+/* Forgets the first n descriptors. */
+static void remove_fds(lf_client *client, int n)
+{
+    client->n_fds -= n;
+    memmove(client->fds, client->fds + n, (size_t)client->n_fds * sizeof *client->fds);
+}
+
+/* Closes the first n descriptors. */
+static void close_fds(lf_client *client, int n)
+{
+    for (int i = 0; i < n; i++)
+        close(client->fds[i].fd);
+    remove_fds(client, n);
+}
+
+/* Number of descriptors that came with bytes up to the end of the line being handled. */
+static int fds_of_line(const lf_client *client)
+{
+    int n = 0;
+    while (n < client->n_fds && client->fds[n].end <= client->line_end)
+        n++;
+    return n;
+}
+
+/* Lines of one message share its descriptors, which then are for the first line that takes them. */
+static void begin_line(lf_client *client, uint64_t end)
+{
+    client->line_end = end;
+    client->line_fds = fds_of_line(client);
+    if (client->line_fds == 0)
+        client->line_fds = client->n_fds;
+}
+
+/* Closes the descriptors that the line did not take. */
+static void end_line(lf_client *client)
+{
+    close_fds(client, fds_of_line(client));
+    client->line_fds = 0;
+}
+
 static void free_client(lf_client *client)
 {
     lf_clients *owner = client->owner;
@@ -122,7 +171,7 @@ static void free_client(lf_client *client)
     sd_event_source_disable_unref(client->io);
     sd_event_source_disable_unref(client->turn);
     close(client->fd);
-    lf_client_drop_fds(client);
+    close_fds(client, client->n_fds);
     buffer_finish(&client->in);
     buffer_finish(&client->out);
     buffer_finish(&client->frame);
@@ -302,8 +351,6 @@ static void discard(lf_client *client, size_t n)
 static void keep_beginning(lf_client *client)
 {
     client->scanned = client->in.used;
-    if (client->in.used == 0 && !client->paused)
-        lf_client_drop_fds(client); /* they came with lines that did not use them */
     if (!client->skipping && client->in.used > LF_RPC_MAX_LINE) {
         refuse_long_line(client);
         client->skipping = true;
@@ -333,8 +380,11 @@ static void take_lines(lf_client *client)
         size_t n = (size_t)(end - (client->in.data + begin));
         client->scanned = 0;
         client->turn_bytes += n + 1;
+        begin_line(client, client->received - client->in.used + begin + n + 1);
         n_lines++;
         take_line(client, client->in.data + begin, n);
+        if (!client->paused)
+            end_line(client);
         begin += n + 1;
     }
     discard(client, begin);
@@ -342,7 +392,7 @@ static void take_lines(lf_client *client)
         keep_beginning(client);
 }
 
-static void keep_fds(lf_client *client, struct msghdr *message)
+static void keep_fds(lf_client *client, struct msghdr *message, uint64_t end)
 {
     for (struct cmsghdr *c = CMSG_FIRSTHDR(message); c; c = CMSG_NXTHDR(message, c)) {
         if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_RIGHTS)
@@ -352,7 +402,7 @@ static void keep_fds(lf_client *client, struct msghdr *message)
             int fd;
             memcpy(&fd, CMSG_DATA(c) + i * sizeof fd, sizeof fd);
             if (client->n_fds < LF_MAX_CLIENT_FDS)
-                client->fds[client->n_fds++] = fd;
+                client->fds[client->n_fds++] = (passed_fd){fd, end};
             else
                 close(fd);
         }
@@ -373,7 +423,7 @@ static ssize_t receive(lf_client *client, char *data, size_t size)
                              .msg_controllen = sizeof control};
     ssize_t n = recvmsg(client->fd, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
     if (n >= 0)
-        keep_fds(client, &message);
+        keep_fds(client, &message, client->received + (uint64_t)n);
     return n;
 }
 
@@ -394,6 +444,7 @@ static void read_some(lf_client *client)
         drop(client);
         return;
     }
+    client->received += (uint64_t)n;
     take_lines(client);
 }
 
@@ -566,8 +617,7 @@ void lf_client_pause(lf_client *client)
 void lf_client_resume(lf_client *client)
 {
     client->paused = false;
-    if (client->in.used == 0)
-        lf_client_drop_fds(client); /* the line did not use them */
+    end_line(client);
     leave(client);
 }
 
@@ -608,31 +658,30 @@ bool lf_clients_left_much(const lf_clients *clients)
     return clients->calls_left > MODEST_CALLS || clients->held_left > MODEST_BYTES;
 }
 
-bool lf_client_take_fds(lf_client *client, int *out_fds, int n)
-{
-    if (n > client->n_fds)
-        return false;
-    memcpy(out_fds, client->fds, (size_t)n * sizeof *out_fds);
-    client->n_fds -= n;
-    memmove(client->fds, client->fds + n, (size_t)client->n_fds * sizeof *client->fds);
-    return true;
-}
-
 int lf_client_count_fds(const lf_client *client)
 {
-    return client->n_fds;
+    return client->line_fds;
 }
 
-void lf_client_drop_fds(lf_client *client)
+bool lf_client_take_fds(lf_client *client, int *out_fds, int n)
 {
-    for (int i = 0; i < client->n_fds; i++)
-        close(client->fds[i]);
-    client->n_fds = 0;
+    if (n > client->line_fds)
+        return false;
+    for (int i = 0; i < n; i++)
+        out_fds[i] = client->fds[i].fd;
+    remove_fds(client, n);
+    client->line_fds -= n;
+    return true;
 }
 
 unsigned *lf_client_flags(lf_client *client)
 {
     return &client->flags;
+}
+
+uint64_t *lf_client_denied(lf_client *client)
+{
+    return &client->denied;
 }
 
 void lf_clients_each(lf_clients *clients, void (*fn)(void *context, lf_client *client),

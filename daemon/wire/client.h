@@ -6,8 +6,8 @@
  * clients have had a turn, and nothing more is read from it meanwhile. A line longer than
  * LF_RPC_MAX_LINE gets one error and is skipped to its end. At most 1 MiB is queued for a slow
  * client. A new `frame` notification replaces the one still waiting. A client whose queue exceeds
- * the limit is dropped. Descriptors that come with a line are kept for the request that takes them.
- * Thread: event. */
+ * the limit is dropped. Descriptors that come with a line are kept until the line was handled; what
+ * it does not take is closed. Thread: event. */
 #ifndef LF_DAEMON_CLIENT_H
 #define LF_DAEMON_CLIENT_H
 
@@ -72,16 +72,17 @@ void lf_clients_release(lf_clients *clients, uint64_t serial, size_t bytes);
 /* True if clients that have left hold more than one client is always allowed. */
 bool lf_clients_left_much(const lf_clients *clients);
 
-/* Moves the next n descriptors that the client passed to out_fds, which the caller then owns.
- * False: there are fewer, and nothing was taken. */
+/* Moves the first n descriptors that came with the line being handled to out_fds, which the caller
+ * then owns. If none came with it, takes those that came with bytes behind it. False: there are
+ * fewer, and nothing was taken. */
 bool lf_client_take_fds(lf_client *client, int *out_fds, int n);
-/* Number of passed descriptors that are not taken yet. */
+/* Number of these descriptors that are not taken yet. */
 int lf_client_count_fds(const lf_client *client);
-/* Closes the descriptors that are not taken. */
-void lf_client_drop_fds(lf_client *client);
 
 /* Bits for the owner's use (subscriptions). */
 unsigned *lf_client_flags(lf_client *client);
+/* Likewise (methods that the client may not call); at first 0. */
+uint64_t *lf_client_denied(lf_client *client);
 /* Calls fn for every client. */
 void lf_clients_each(lf_clients *clients, void (*fn)(void *context, lf_client *client),
                      void *context);

@@ -133,6 +133,16 @@ static lf_status bind_and_listen(const char *path, const struct sockaddr_un *add
     return lf_error_set(err, LF_E_IO, path, "cannot listen: %s", lf_errno_text(why));
 }
 
+/* The path of a socket from systemd. NULL: it has none. */
+static char *path_of(int fd)
+{
+    struct sockaddr_un address = {0};
+    socklen_t size = sizeof address - 1; /* which leaves a zero at the end */
+    const bool has_path = getsockname(fd, (struct sockaddr *)&address, &size) == 0 &&
+                          address.sun_family == AF_UNIX && address.sun_path[0] == '/';
+    return has_path ? lf_strdup(address.sun_path) : NULL;
+}
+
 lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error *err)
 {
     int n = sd_listen_fds(1);
@@ -143,6 +153,7 @@ lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error 
             "passed something other than one listening Unix stream socket; check the socket unit");
     if (n == 1) {
         *out_fd = SD_LISTEN_FDS_START;
+        out->path = path_of(*out_fd);
         fcntl(*out_fd, F_SETFL, fcntl(*out_fd, F_GETFL) | O_NONBLOCK);
         return LF_OK;
     }
@@ -166,13 +177,13 @@ lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error 
 
 void lf_unlisten(lf_listener *listener)
 {
-    if (listener->path) {
+    if (listener->path && listener->lock_fd >= 0) {
         char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
         snprintf(lock, sizeof lock, "%s.lock", listener->path);
         unlink(listener->path);
         unlink(lock);
-        lf_free(listener->path);
     }
+    lf_free(listener->path);
     if (listener->lock_fd >= 0)
         close(listener->lock_fd);
     *listener = (lf_listener){.lock_fd = -1};

@@ -4,10 +4,10 @@
 
 #include "base/status.h"
 
-/* A socket name that this process owns. */
+/* A socket's name. */
 typedef struct lf_listener {
-    char *path;  /* removed by lf_unlisten; NULL = systemd's socket */
-    int lock_fd; /* locked; -1 = none */
+    char *path;  /* where clients connect; NULL: a socket from systemd without a path */
+    int lock_fd; /* locked: this process owns the name; -1: systemd does */
 } lf_listener;
 
 /* Uses the socket passed by systemd; otherwise creates one at this path. socket NULL: the first
@@ -15,7 +15,7 @@ typedef struct lf_listener {
  * *out_fd. LF_E_BUSY: a running daemon uses the path; LF_E_EXISTS: the path exists and is not a
  * socket; LF_E_ARG, LF_E_IO. */
 LF_NODISCARD lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error *err);
-/* Removes the socket and releases its lock. May be called twice. */
+/* Removes a socket that this process owns, and releases its lock. May be called twice. */
 void lf_unlisten(lf_listener *listener);
 /* Candidate paths for index 0, 1, 2: $QUILTD_SOCKET, $XDG_RUNTIME_DIR/quiltd.sock,
  * /run/quiltd/control.sock. Unset variables are skipped. False: index is past the last

@@ -13,6 +13,7 @@ enum {
     LF_EVENT_EXPORT = 16,
     LF_EVENT_BUTTON = 32,
     LF_EVENT_LOG = 64,
+    LF_EVENT_PLAYLIST = 128,
 };
 
 /* Sends a notification to the clients subscribed to `event`. Takes ownership of params. clients

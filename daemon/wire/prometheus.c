@@ -23,6 +23,8 @@ static const quantity quantities[] = {
     {"error_estimate", "gauge", "Estimated relative mean squared error of the unfiltered image.",
      NULL, "error_estimate"},
     {"error_bound", "gauge", "Upper bound (95 %) of that error.", NULL, "error_bound"},
+    {"seconds_left", "gauge", "Estimated rendering time until the error meets the target.", NULL,
+     "seconds_left"},
     {"denoised_error", "gauge", "Estimated relative mean squared error of the denoised image.",
      NULL, "denoised_error"},
     {"denoised_error_bound", "gauge", "Upper bound (95 %) of the error of the denoised image.",

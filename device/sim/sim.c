@@ -84,23 +84,21 @@ static const sim_device *const_sim_of(const lf_device *device)
 
 /* -------------------------------------------------------------------------------------- open -- */
 
-/* Creates a folder and its parents. */
+/* Creates a folder, whose parent must exist. */
 static lf_status make_folder(const char *dir, lf_error *err)
 {
-    char path[sizeof((lf_sim_options *)0)->dir];
-    snprintf(path, sizeof path, "%s", dir);
-    for (char *p = path + 1; *p != 0; p++) {
-        if (*p != '/')
-            continue;
-        *p = 0;
-        if (mkdir(path, 0777) != 0 && errno != EEXIST)
-            return lf_error_set(err, LF_E_IO, path, "cannot make the folder: %s",
-                                lf_errno_text(errno));
-        *p = '/';
-    }
-    if (mkdir(path, 0777) != 0 && errno != EEXIST)
-        return lf_error_set(err, LF_E_IO, path, "cannot make the folder: %s", lf_errno_text(errno));
-    return LF_OK;
+    char parent[sizeof((lf_sim_options *)0)->dir];
+    size_t n = strlen(dir);
+    if (mkdir(dir, 0777) == 0 || errno == EEXIST)
+        return LF_OK;
+    if (errno != ENOENT)
+        return lf_error_set(err, LF_E_IO, dir, "cannot make the folder: %s", lf_errno_text(errno));
+    while (n > 1 && dir[n - 1] == '/')
+        n--;
+    while (n > 0 && dir[n - 1] != '/')
+        n--;
+    snprintf(parent, sizeof parent, "%.*s", n > 0 ? (int)n : 1, n > 0 ? dir : ".");
+    return lf_error_set(err, LF_E_IO, dir, "the folder %s does not exist; make it first", parent);
 }
 
 static lf_status cannot_open(const char *dir, lf_error *err)
@@ -108,7 +106,7 @@ static lf_status cannot_open(const char *dir, lf_error *err)
     return lf_error_set(err, LF_E_IO, dir, "cannot open the folder: %s", lf_errno_text(errno));
 }
 
-/* Opens the folder; creates it and its parents if missing. */
+/* Opens the folder; creates it if only the last part is missing. */
 static lf_status open_folder(const char *dir, int *out_fd, lf_error *err)
 {
     int fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);

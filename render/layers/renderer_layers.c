@@ -15,6 +15,8 @@ typedef struct row_of_film {
     lf_film_half half[2];
     double n[2];
     double total; /* 0: unknown */
+    /* for pixels with q < 0, of which a provisional row knows nothing; NULL: there are none */
+    const struct row_of_film *around;
 } row_of_film;
 
 static row_of_film open_row(const lf_film *film, int row)
@@ -26,6 +28,11 @@ static row_of_film open_row(const lf_film *film, int row)
     for (int h = 0; h < 2; h++)
         r.half[h] = lf_film_at(film, row, h);
     return r;
+}
+
+static const row_of_film *row_at(const row_of_film *r, size_t pixel)
+{
+    return r->around && r->half[0].q[pixel] < 0.0f ? r->around : r;
 }
 
 /* n q of a half; correction weights can make q negative. */
@@ -88,10 +95,11 @@ static void depth(const layer_job *job, int row, const row_of_film *film, size_t
      * that they can. */
     const double least = 0.5 * (double)LF_NEARNESS_MAX / 65535.0;
     for (size_t i = 0; i < pixels; i++) {
+        const row_of_film *from = row_at(film, i);
         double sum = 0.0, q = 0.0, media = 0.0;
         for (int h = 0; h < 2; h++) {
-            const lf_feature feature = lf_feature_unpack(film->half[h].feature[i]);
-            double weight = fmax(pivots_of(film, h, i), 0.0) / film->total;
+            const lf_feature feature = lf_feature_unpack(from->half[h].feature[i]);
+            double weight = fmax(pivots_of(from, h, i), 0.0) / from->total;
             sum += weight * (double)feature.nearness;
             media += weight * (1.0 - (double)feature.surface);
             q += weight;
@@ -111,7 +119,7 @@ static void coverage(const layer_job *job, int row, const row_of_film *film, siz
                      float *out, size_t stride)
 {
     for (size_t i = 0; i < pixels; i++) {
-        const double q = fmin(fmax(share_of(film, i), 0.0), 1.0);
+        const double q = fmin(fmax(share_of(row_at(film, i), i), 0.0), 1.0);
         out[i * stride] = nearness_behind(job, row, i, q) >= 0.0 ? 1.0f : (float)q;
     }
 }
@@ -194,8 +202,9 @@ static void shadow(const layer_job *job, int row, const row_of_film *film, size_
         for (int column = 0; column < job->rig.width; column++, out += stride) {
             const lf_catch_pixel pixel =
                 lf_catch_pixel_of(job->renderer, &job->rig, view, row, column);
-            const float open = lf_catch_open(
-                scene, share_of(film, (size_t)view * (size_t)job->rig.width + (size_t)column));
+            const size_t pixel_index = (size_t)view * (size_t)job->rig.width + (size_t)column;
+            const float open =
+                lf_catch_open(scene, share_of(row_at(film, pixel_index), pixel_index));
             *out = (float)lf_catch_shade(&tracer, &pixel, n, open);
         }
 }
@@ -266,18 +275,18 @@ int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNE
     return n;
 }
 
-static bool is_known(const lf_film *film, int row)
+static bool has_visits(const lf_film_row *row)
 {
-    return row >= 0 && row < film->height && lf_film_is_known(&film->rows[row]);
+    return lf_film_visited(row->visits);
 }
 
-/* The nearest row with data, above before below; the row itself if there is none. */
-static int nearest_known(const lf_film *film, int row)
+/* The nearest row that is so, above before below; the row itself if there is none. */
+static int nearest_row(const lf_film *film, int row, bool (*is_so)(const lf_film_row *row))
 {
     for (int apart = 0; apart < film->height; apart++) {
-        if (is_known(film, row - apart))
+        if (row - apart >= 0 && is_so(&film->rows[row - apart]))
             return row - apart;
-        if (is_known(film, row + apart))
+        if (row + apart < film->height && is_so(&film->rows[row + apart]))
             return row + apart;
     }
     return row;
@@ -286,9 +295,12 @@ static int nearest_known(const lf_film *film, int row)
 static void fill_row(void *context, int row, int worker)
 {
     const layer_job *job = context;
-    const int nearest = nearest_known(&job->renderer->film, row);
-    const row_of_film film = open_row(&job->renderer->film, nearest);
-    const bool own = nearest == row && !job->renderer->film.rows[row].provisional;
+    const lf_film *rows = &job->renderer->film;
+    const int nearest = nearest_row(rows, row, lf_film_is_known);
+    const row_of_film around = open_row(rows, nearest_row(rows, nearest, has_visits));
+    row_of_film film = open_row(rows, nearest);
+    film.around = rows->rows[nearest].provisional && around.total > 0.0 ? &around : NULL;
+    const bool own = nearest == row && !rows->rows[row].provisional;
     const unsigned left_out = own ? 0 : LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
     size_t pixels = (size_t)job->rig.n_views * (size_t)job->rig.width,
            stride = (size_t)job->n_channels;

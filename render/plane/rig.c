@@ -35,7 +35,7 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "camera.fov_y", "must be above 0 and below 178 degrees");
     if (!(c->cone >= 0.0 && c->cone < 3.1))
         return lf_error_set(err, LF_E_ARG, "camera.cone",
-                            "must be at least 0 and below 178 degrees");
+                            "must be at least 0 and, times depthiness, below 178 degrees");
     if (c->first_view < 0 || (c->all_views > 0 && c->all_views < c->first_view + c->n_views))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a part is not within its track");
     if (!(c->track >= 0.0))

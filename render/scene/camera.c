@@ -28,6 +28,8 @@ const lf_param lf_camera_params[] = {
     {.name = "cone", PLACE(cone), .type = LF_PARAM_ANGLE, .unit = "degrees",
      .low = 0, .high = 160, .initial = 40,
      .about = "view cone: angle over which the cameras are spread, seen from the target"},
+    {.name = "depthiness", PLACE(depthiness), .low = 0, .high = LF_MAX_DEPTHINESS, .initial = 1,
+     .about = "factor of the view cone in use, also of a panel's own; 0: all views are equal"},
     {.name = "placement", PLACE(inclusive), .type = LF_PARAM_SWITCH, .words = placements,
      .about = "inclusive: the outermost cameras are at the ends of the cone; centred: half a "
               "spacing inside"},
@@ -50,6 +52,14 @@ const lf_param lf_camera_params[] = {
     {0},
 };
 /* clang-format on */
+
+void lf_camera_deepen(lf_camera *camera)
+{
+    camera->cone *= camera->depthiness;
+    camera->track *= camera->depthiness;
+    camera->rows_height *= camera->depthiness;
+    camera->depthiness = 1;
+}
 
 lf_camera lf_camera_row(const lf_camera *camera, int row)
 {

@@ -25,6 +25,9 @@ typedef struct lf_camera {
     double fov_y;
     double aspect; /* width / height of the window */
     double cone;   /* radians: total angle of the rig (the view cone) */
+    /* Factor of the cone in use, or of the track or grid, 0..LF_MAX_DEPTHINESS; lf_camera_deepen
+     * applies it. */
+    double depthiness;
     /* camera track: length in scene units from the first to the last camera, which are equally
      * spaced along X and not on the arc of the cone; 0: the arc */
     double track;
@@ -69,6 +72,9 @@ static inline int lf_camera_views(const lf_camera *camera)
 {
     return camera->n_views * (camera->n_rows > 0 ? camera->n_rows : 1);
 }
+/* Multiplies the cone, the track and the height of a grid by depthiness, which becomes 1. To be
+ * called when the cone in use is known. A list stays. */
+void lf_camera_deepen(lf_camera *camera);
 /* The camera of row `row` of a grid, 0 the lowest, or of a part of a track: one rig with n_views
  * views. */
 lf_camera lf_camera_row(const lf_camera *camera, int row);
@@ -83,5 +89,6 @@ extern const lf_param lf_camera_params[];
 #define LF_MAX_CAMERA_ROWS 256
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8
+#define LF_MAX_DEPTHINESS 2
 
 #endif

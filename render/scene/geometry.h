@@ -12,7 +12,8 @@
 
 /* One file that was opened for a mesh. Used to detect later changes, and to identify the mesh. */
 typedef struct lf_mesh_file {
-    char *path;
+    char *path;    /* or the name of an array */
+    bool is_array; /* passed in memory (base/passed.h) */
     struct timespec modified;
     off_t size;
     ino_t inode;

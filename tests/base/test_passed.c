@@ -182,18 +182,18 @@ static int memory_file(size_t bytes, unsigned flags, int seals)
 static void an_array_with_holes_is_refused(void **state)
 {
     (void)state;
-    static const int64_t size[3] = {64, 64, 64};
+    static const lf_array cube = {.n_axes = 3, .length = {64, 64, 64}};
     const size_t bytes = sizeof(float) * 64 * 64 * 64;
     lf_passed *passed = lf_passed_create();
     lf_error err;
     int fd = memfd_create("array", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     assert_int_equal(ftruncate(fd, (off_t)bytes), 0);
     assert_int_equal(fcntl(fd, F_ADD_SEALS, ALL_SEALS), 0);
-    lf_assert_status(lf_passed_add_array(passed, "smoke", size, fd, &err), LF_E_ARG, &err);
+    lf_assert_status(lf_passed_add_array(passed, "smoke", &cube, fd, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "its memory file has holes; write all of its values");
     close(fd);
     fd = memory_file(bytes, MFD_ALLOW_SEALING, ALL_SEALS);
-    lf_assert_ok(lf_passed_add_array(passed, "smoke", size, fd, &err), &err);
+    lf_assert_ok(lf_passed_add_array(passed, "smoke", &cube, fd, &err), &err);
     lf_passed_unref(passed);
 }
 
@@ -201,25 +201,28 @@ static void an_array_with_holes_is_refused(void **state)
 static void an_array_is_found_by_its_name_and_not_as_a_file(void **state)
 {
     (void)state;
-    static const int64_t size[3] = {2, 3, 4}, other[3] = {1, 1, 1};
+    static const lf_array box = {.n_axes = 3, .length = {4, 3, 2}}, any = {.n_axes = 3},
+                          point = {.n_axes = 3, .length = {1, 1, 1}};
     lf_passed *older = lf_passed_create(), *newer = lf_passed_create(), *both = NULL;
-    int64_t found[3];
+    lf_array found;
     int fd = memory_file(96, MFD_ALLOW_SEALING, ALL_SEALS), opened = -1;
     lf_error err;
-    lf_assert_ok(lf_passed_add_array(older, "smoke", size, fd, &err), &err);
-    lf_assert_ok(lf_passed_open_array(older, "smoke", found, &opened, &err), &err);
-    assert_memory_equal(found, size, sizeof size);
+    lf_assert_ok(lf_passed_add_array(older, "smoke", &box, fd, &err), &err);
+    lf_assert_ok(lf_passed_open_array(older, "smoke", &any, &found, &opened, &err), &err);
+    assert_memory_equal(found.length, box.length, sizeof box.length);
     assert_int_not_equal(opened, fd);
     close(opened);
     assert_false(lf_passed_has(older, "smoke"));
     assert_string_equal(lf_passed_at(older, 0), "smoke");
-    lf_assert_status(lf_passed_open_array(older, "fog", found, &opened, &err), LF_E_IO, &err);
-    lf_assert_status(lf_passed_open_array(NULL, "smoke", found, &opened, &err), LF_E_IO, &err);
+    lf_assert_status(lf_passed_open_array(older, "fog", &any, &found, &opened, &err), LF_E_IO,
+                     &err);
+    lf_assert_status(lf_passed_open_array(NULL, "smoke", &any, &found, &opened, &err), LF_E_IO,
+                     &err);
     fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
-    lf_assert_ok(lf_passed_add_array(newer, "smoke", other, fd, &err), &err);
+    lf_assert_ok(lf_passed_add_array(newer, "smoke", &point, fd, &err), &err);
     lf_assert_ok(lf_passed_join(older, newer, &both, &err), &err);
-    lf_assert_ok(lf_passed_open_array(both, "smoke", found, &opened, &err), &err);
-    assert_memory_equal(found, other, sizeof other);
+    lf_assert_ok(lf_passed_open_array(both, "smoke", &any, &found, &opened, &err), &err);
+    assert_memory_equal(found.length, point.length, sizeof point.length);
     close(opened);
     assert_null(lf_passed_at(both, 1));
     lf_passed_unref(older);
@@ -228,12 +231,63 @@ static void an_array_is_found_by_its_name_and_not_as_a_file(void **state)
     assert_int_equal(fcntl(fd, F_GETFD), -1);
 }
 
+/* What names an array needs a type and a shape. */
+static void an_array_of_another_type_or_shape_is_not_opened(void **state)
+{
+    (void)state;
+    static const lf_array box = {.n_axes = 3, .length = {4, 3, 2}};
+    static const struct {
+        lf_array wanted;
+        const char *words;
+    } other[] = {
+        {{LF_ARRAY_UINT32, 3, {0}}, "expected uint32 values of shape [nz, ny, nx]"},
+        {{LF_ARRAY_FLOAT32, 2, {0, 3}}, "expected float32 values of shape [n, 3]"},
+        {{LF_ARRAY_FLOAT32, 3, {4, 3, 3}}, "expected float32 values of shape [4, 3, 3]"},
+        {{LF_ARRAY_FLOAT32, 1, {24}}, "expected float32 values of shape [24]"},
+    };
+    static const lf_array same[] = {{LF_ARRAY_FLOAT32, 3, {0}}, {LF_ARRAY_FLOAT32, 3, {4, 3, 2}}};
+    lf_passed *passed = lf_passed_create();
+    int fd = memory_file(96, MFD_ALLOW_SEALING, ALL_SEALS), opened = -1;
+    lf_array found;
+    lf_error err;
+    lf_assert_ok(lf_passed_add_array(passed, "smoke", &box, fd, &err), &err);
+    for (size_t i = 0; i < sizeof other / sizeof *other; i++) {
+        lf_assert_status(
+            lf_passed_open_array(passed, "smoke", &other[i].wanted, &found, &opened, &err),
+            LF_E_FORMAT, &err);
+        if (!strstr(err.what, other[i].words) ||
+            !strstr(err.what, "has float32 values of shape [4, 3, 2]"))
+            fail_msg("%zu: %s", i, err.what);
+    }
+    for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
+        lf_assert_ok(lf_passed_open_array(passed, "smoke", &same[i], &found, &opened, &err), &err);
+        close(opened);
+    }
+    lf_passed_unref(passed);
+}
+
+/* What nobody can write to any more may be open for writing. */
+static void a_sealed_memory_file_is_passed_as_it_is(void **state)
+{
+    (void)state;
+    lf_passed *passed = lf_passed_create();
+    lf_error err;
+    int fd = memory_file(4, MFD_ALLOW_SEALING, F_SEAL_SHRINK | F_SEAL_GROW), opened = -1;
+    lf_assert_status(lf_passed_add(passed, "/a", fd, &err), LF_E_ARG, &err);
+    assert_int_equal(fcntl(fd, F_ADD_SEALS, F_SEAL_WRITE), 0);
+    lf_assert_ok(lf_passed_add(passed, "/a", fd, &err), &err);
+    lf_assert_ok(lf_passed_open(passed, "/a", &opened, &err), &err);
+    assert_int_equal(fcntl(opened, F_GETFL) & O_ACCMODE, O_RDONLY);
+    close(opened);
+    lf_passed_unref(passed);
+}
+
 static void other_arrays_are_refused(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
-        int64_t size[3];
+        int64_t size[3]; /* along x, y, z */
         size_t bytes;
         int seals;
         const char *words;
@@ -249,12 +303,15 @@ static void other_arrays_are_refused(void **state)
         {"a", {INT64_C(1) << 31, INT64_C(1) << 31, 1 << 2}, 96, ALL_SEALS, "a length below 1"},
         {"a/b", {2, 3, 4}, 96, ALL_SEALS, "without \"/\""},
         {"", {2, 3, 4}, 96, ALL_SEALS, "1 to 128 bytes"},
+        {"a", {1 << 10, 1 << 11, 1 << 12}, 96, ALL_SEALS, "more than 16 GiB"},
     };
     lf_passed *passed = lf_passed_create();
     lf_error err;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         int fd = memory_file(bad[i].bytes, MFD_ALLOW_SEALING, bad[i].seals);
-        lf_assert_status(lf_passed_add_array(passed, bad[i].name, bad[i].size, fd, &err), LF_E_ARG,
+        const int64_t *size = bad[i].size;
+        const lf_array array = {.n_axes = 3, .length = {size[2], size[1], size[0]}};
+        lf_assert_status(lf_passed_add_array(passed, bad[i].name, &array, fd, &err), LF_E_ARG,
                          &err);
         if (!strstr(err.what, bad[i].words))
             fail_msg("%zu: %s", i, err.what);
@@ -262,15 +319,18 @@ static void other_arrays_are_refused(void **state)
     }
     /* a file of a file system has no seals */
     int fd = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
-    lf_assert_status(lf_passed_add_array(passed, "a", (int64_t[]){1, 1, 1}, fd, &err), LF_E_ARG,
-                     &err);
+    lf_assert_status(
+        lf_passed_add_array(passed, "a", &(lf_array){.n_axes = 1, .length = {1}}, fd, &err),
+        LF_E_ARG, &err);
     close(fd);
     assert_null(lf_passed_at(passed, 0));
     fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
-    lf_assert_ok(lf_passed_add_array(passed, "a", (int64_t[]){1, 1, 1}, fd, &err), &err);
+    lf_assert_ok(
+        lf_passed_add_array(passed, "a", &(lf_array){.n_axes = 1, .length = {1}}, fd, &err), &err);
     fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
-    lf_assert_status(lf_passed_add_array(passed, "a", (int64_t[]){1, 1, 1}, fd, &err), LF_E_ARG,
-                     &err);
+    lf_assert_status(
+        lf_passed_add_array(passed, "a", &(lf_array){.n_axes = 1, .length = {1}}, fd, &err),
+        LF_E_ARG, &err);
     close(fd);
     lf_passed_unref(passed);
 }
@@ -285,6 +345,8 @@ int main(void)
         cmocka_unit_test(roots_give_passed_files_where_they_have_none),
         cmocka_unit_test(an_array_is_found_by_its_name_and_not_as_a_file),
         cmocka_unit_test(an_array_with_holes_is_refused),
+        cmocka_unit_test(an_array_of_another_type_or_shape_is_not_opened),
+        cmocka_unit_test(a_sealed_memory_file_is_passed_as_it_is),
         cmocka_unit_test(other_arrays_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,6 +5,7 @@
 
 #include <signal.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 
 #include "base/alloc.h"
@@ -283,6 +284,51 @@ static void a_descriptor_comes_with_its_line(void **state)
     free(b);
 }
 
+static ino_t inode_of(int fd)
+{
+    struct stat info;
+    assert_int_equal(fstat(fd, &info), 0);
+    return info.st_ino;
+}
+
+/* A line that comes in two parts, the first with a descriptor that it does not take, is received
+ * together with the next line, which has a descriptor of its own. */
+static void a_line_does_not_get_the_descriptor_of_the_line_before(void **state)
+{
+    (void)state;
+    bench *b = malloc(sizeof *b);
+    begin(b);
+    int c = join(b), left[2], own[2];
+    for (uint64_t pause = 0; pause < 2; pause++) {
+        assert_int_equal(pipe(left), 0);
+        assert_int_equal(pipe(own), 0);
+        b->pause = pause;
+        write_with_fd(c, "a", left[1]);
+        write_lines(c, "a\n", 1);
+        write_with_fd(c, "fd\n", own[1]);
+        settle(b);
+        if (pause) {
+            assert_int_equal(b->fd, -1);
+            lf_client_resume(lf_clients_find(b->clients, 1));
+            settle(b);
+        }
+        assert_true(b->fd >= 0);
+        assert_int_equal(inode_of(b->fd), inode_of(own[1]));
+        close(b->fd);
+        b->fd = -1;
+        /* the other one is closed */
+        char byte;
+        close(left[1]);
+        assert_int_equal(read(left[0], &byte, 1), 0);
+        close(left[0]);
+        close(own[0]);
+        close(own[1]);
+    }
+    close(c);
+    finish(b);
+    free(b);
+}
+
 static void term_comes_between_turns(void **state)
 {
     (void)state;
@@ -463,6 +509,7 @@ int main(void)
         cmocka_unit_test(a_turn_has_so_many_bytes_of_lines_and_of_answers),
         cmocka_unit_test(who_has_ended_is_still_worked_for),
         cmocka_unit_test(a_descriptor_comes_with_its_line),
+        cmocka_unit_test(a_line_does_not_get_the_descriptor_of_the_line_before),
         cmocka_unit_test(term_comes_between_turns),
         cmocka_unit_test(lines_wait_while_one_takes_its_time),
         cmocka_unit_test(lines_of_calls_that_wait_have_a_limit_for_all_clients),

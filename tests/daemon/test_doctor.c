@@ -1,9 +1,9 @@
-/* quiltctl doctor: what it says of machines that are made up, folders and all. */
+/* The doctor: what it says of machines that are made up, folders and all. */
 #include "tests/testing.h"
 
 #include <sys/stat.h>
 
-#include "daemon/tools/doctor.h"
+#include "daemon/parts/doctor.h"
 
 typedef struct machine {
     char *root;
@@ -63,15 +63,29 @@ static void add_calibration(machine *m, const char *path, const char *problem)
     lf_calibration_portrait(&found->calibration);
 }
 
+typedef struct listener {
+    FILE *out;
+    bool failed;
+} listener;
+
+static void note(void *context, lf_doctor_level level, const char *text)
+{
+    static const char *const heads[] = {"ok   ", "note ", "FAIL "};
+    listener *l = context;
+    l->failed = l->failed || level == LF_DOCTOR_FAIL;
+    fprintf(l->out, "%s %s\n", heads[level], text);
+}
+
 static void examine(machine *m)
 {
     free(m->said);
     m->said = NULL;
-    FILE *out = open_memstream(&m->said, &m->n_said);
-    assert_non_null(out);
+    listener l = {.out = open_memstream(&m->said, &m->n_said)};
+    assert_non_null(l.out);
     m->facts.status = m->status;
-    m->sound = lf_doctor_judge(&m->facts, out);
-    fclose(out);
+    lf_doctor_judge(&m->facts, note, &l);
+    m->sound = !l.failed;
+    fclose(l.out);
 }
 
 static void assert_says(const machine *m, const char *line)
@@ -245,6 +259,31 @@ static void the_limits_of_the_service_are_told(void **state)
     destroy_machine(m);
 }
 
+static void as_json_the_findings_are_the_same(void **state)
+{
+    (void)state;
+    machine *m = make_machine();
+    add_device(m, "drm", "drm:DP-1", "may not be opened");
+    add_calibration(m, "/media/\xff/visual.json", "");
+    examine(m);
+    json_t *findings = lf_doctor_json(&m->facts), *finding;
+    char said[4096] = "";
+    size_t i, n = 0;
+    json_array_foreach(findings, i, finding)
+    {
+        const char *level = json_string_value(json_object_get(finding, "level"));
+        n += (size_t)snprintf(said + n, sizeof said - n, "%-5s %s\n",
+                              strcmp(level, "fail") == 0 ? "FAIL" : level,
+                              json_string_value(json_object_get(finding, "text")));
+    }
+    char *name = strchr(m->said, '\xff'); /* JSON is UTF-8 */
+    assert_non_null(name);
+    assert_memory_equal(said, m->said, (size_t)(name - m->said));
+    assert_non_null(strstr(said, "ok    calibration /media/\\xff/visual.json: LKG-PORT-NOMINAL"));
+    json_decref(findings);
+    destroy_machine(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -256,6 +295,7 @@ int main(void)
         cmocka_unit_test(a_daemon_that_has_no_panel_owns_none),
         cmocka_unit_test(a_daemon_that_says_other_things_is_put_up_with),
         cmocka_unit_test(the_limits_of_the_service_are_told),
+        cmocka_unit_test(as_json_the_findings_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

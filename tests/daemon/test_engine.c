@@ -56,6 +56,28 @@ static void the_first_sweep_visits_every_fourth_row_and_later_ones_all(void **st
     }
 }
 
+/* 100 rows of 10 ms: a pass a second. */
+static void the_time_left_follows_from_passes_and_error(void **state)
+{
+    (void)state;
+    static const double unknown[][3] = {{-1, 10, 0.01}, {0.02, 10, 0}, {INFINITY, 10, 0.01}};
+    lf_schedule schedule = {0};
+    lf_schedule_start(&schedule, 100, 45, false, 0);
+    assert_true(lf_schedule_seconds_left(&schedule, 10, 0.02, 10, 0.01) < 0);
+    schedule.row_seconds = 0.01;
+    /* a quarter of the error takes four times the passes */
+    assert_true(fabs(lf_schedule_seconds_left(&schedule, 10, 0.04, 10, 0.01) - 30) < 1e-9);
+    /* three of these 30 s have passed since */
+    assert_true(fabs(lf_schedule_seconds_left(&schedule, 13, 0.04, 10, 0.01) - 27) < 1e-9);
+    assert_true(fabs(lf_schedule_seconds_left(&schedule, 41, 0.04, 10, 0.01) - 0) <= 0);
+    assert_true(fabs(lf_schedule_seconds_left(&schedule, 10, 0.009, 10, 0.01) - 0) <= 0);
+    schedule.row_seconds = 0.002;
+    assert_true(fabs(lf_schedule_seconds_left(&schedule, 10, 0.04, 10, 0.01) - 6) < 1e-9);
+    for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++)
+        assert_true(lf_schedule_seconds_left(&schedule, 10, unknown[i][0], unknown[i][1],
+                                             unknown[i][2]) < 0);
+}
+
 static void rows_far_from_the_coarse_ones_come_first(void **state)
 {
     (void)state;
@@ -234,6 +256,7 @@ int main(int argc, char **argv)
         return leave_without_an_engine();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_first_sweep_visits_every_fourth_row_and_later_ones_all),
+        cmocka_unit_test(the_time_left_follows_from_passes_and_error),
         cmocka_unit_test(rows_far_from_the_coarse_ones_come_first),
         cmocka_unit_test(visits_come_in_equal_pairs_that_grow_to_whole_samples),
         cmocka_unit_test(a_restored_picture_goes_on_where_it_was),

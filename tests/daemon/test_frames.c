@@ -347,8 +347,9 @@ static void a_file_that_some_frame_lacks_is_told_before_any_is_rendered(void **s
     qr_outcome o;
     snprintf(scene, sizeof scene, "%s", write_smoke(f));
     qr_run(&o, "%s -o %s/s.exr --frames 3:4 " SIZE, scene, f->folder);
-    qr_assert_fails(&o, 1, "smoke.json: /volumes/smoke/file: ");
+    qr_assert_fails(&o, 1, "smoke.json: /volumes/smoke/file: frame 4: ");
     assert_non_null(strstr(o.err, "smoke_04.vdb: cannot open: No such file"));
+    assert_non_null(strstr(o.err, "; use --frames 3:3"));
     assert_false(qr_exists(f->folder, "s_0003_qs2x2a0.75.exr"));
     qr_run(&o, "%s -o %s/s.exr --frames 4:4 " SIZE, scene, f->folder);
     qr_assert_fails(&o, 1, "smoke.json:2: /volumes/smoke/file: ");

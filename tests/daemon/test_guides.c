@@ -72,6 +72,21 @@ static void cubes_before_in_and_behind_the_window(void **state)
     lf_image8_finish(&image);
 }
 
+static void guides_that_mark_nothing_are_told(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    static const char nothing[] = "--guides: marks nothing", sharp[] = "guides: the panel shows";
+    qr_run(&o, "%s -o %s/one.png --guides --still --view-size 16x16 --passes 1", f->scene,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    assert_true(strstr(o.err, nothing) && !strstr(o.err, sharp));
+    qr_run(&o, "%s -o %s/two.png --guides --views 2 --view-size 16x16 --passes 1", f->scene,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    assert_true(!strstr(o.err, nothing) && strstr(o.err, sharp));
+}
+
 /* What is beyond a limit is not told as the limit. */
 static void numbers_that_differ_are_told_apart(void **state)
 {
@@ -132,6 +147,7 @@ int main(void)
         cmocka_unit_test(what_is_sharp_and_what_meets_nothing_is_left_alone),
         cmocka_unit_test(what_is_too_near_is_red_and_what_is_too_far_is_blue),
         cmocka_unit_test(cubes_before_in_and_behind_the_window),
+        cmocka_unit_test(guides_that_mark_nothing_are_told),
         cmocka_unit_test(numbers_that_differ_are_told_apart),
         cmocka_unit_test(a_print_says_how_deep_it_is),
     };

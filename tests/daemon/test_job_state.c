@@ -177,7 +177,7 @@ static void a_foreign_file_is_refused_and_named(void **state)
     qr_assert_fails(&o, 1, "holds passes of another job");
     qr_run(&o, "%s -o %s/no.png --state %s/n.lfstate --spp 2 --integrator amvpt " SIZE, f->scene,
            f->folder, f->folder);
-    qr_assert_fails(&o, 1, "--state: is not supported with this --integrator");
+    qr_assert_fails(&o, 2, "--state: is not supported with this --integrator");
     char *after = NULL;
     size_t m = 0;
     lf_assert_ok(lf_file_read(path, NULL, 1 << 24, &after, &m, &err), &err);

@@ -91,6 +91,17 @@ static void a_bad_patch_says_where_and_leaves_the_picture(void **state)
     live_finish(&l);
 }
 
+/* Of status; < 0: null. */
+static double seconds_left(live_client *c)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    const json_t *left = json_object_get(json_object_get(answer, "result"), "seconds_left");
+    assert_non_null(left);
+    const double seconds = json_is_null(left) ? -1 : json_number_value(left);
+    json_decref(answer);
+    return seconds;
+}
+
 static void how_to_render_can_be_changed(void **state)
 {
     (void)state;
@@ -116,10 +127,15 @@ static void how_to_render_can_be_changed(void **state)
     assert_true(live_number(&c, "render.set", json_pack("{s:i}", "threads", 1), "generation") == 3);
     assert_true(live_number(&c, "status", NULL, "threads") == 1);
     live_wait(&c, "complete");
+    /* while nothing is near this target */
+    assert_int_equal(live_code(&c, "render.set", json_pack("{s:f}", "target_error", 1e-12)), 0);
+    while (seconds_left(&c) <= 0)
+        live_nap(10);
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
     double passes = -1;
     for (int i = 0; i < 500 && strcmp(live_status_text(&c, "state"), "paused") != 0; i++)
         live_nap(10);
+    assert_true(seconds_left(&c) < 0);
     passes = live_number(&c, "status", NULL, "passes");
     live_nap(200);
     assert_true(live_number(&c, "status", NULL, "passes") == passes);
@@ -127,6 +143,7 @@ static void how_to_render_can_be_changed(void **state)
         live_code(&c, "render.set", json_pack("{s:b, s:f}", "paused", 0, "target_error", 0.05)), 0);
     live_wait(&c, "converged");
     assert_string_equal(live_status_text(&c, "state"), "converged");
+    assert_true(seconds_left(&c) == 0);
     live_close(&c);
     live_finish(&l);
 }

@@ -305,6 +305,42 @@ static void answers_name_the_file_that_is_meant(void **state)
     live_finish(&l);
 }
 
+/* The answer and the end of an export say the same name, with descriptors too. */
+static void a_passed_quilt_has_one_name(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    int fd = open(lf_test_path(l.exports, "passed"), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    assert_true(fd >= 0);
+    send_with(&c,
+              "{\"jsonrpc\":\"2.0\",\"id\":\"x\",\"method\":\"export\",\"params\":{\"kind\":"
+              "\"quilt\",\"file\":\"mine.png\",\"fds\":1}}\n",
+              fd);
+    close(fd);
+    char answered[PATH_MAX] = "", ended[PATH_MAX] = "";
+    while (!answered[0] || !ended[0]) {
+        json_t *message = live_receive(&c);
+        const json_t *result = json_object_get(message, "result"),
+                     *params = json_object_get(message, "params");
+        const char *job = json_string_value(json_object_get(params, "state"));
+        if (result)
+            snprintf(answered, sizeof answered, "%s",
+                     json_string_value(json_object_get(result, "file")));
+        if (job && strcmp(job, "done") == 0)
+            snprintf(ended, sizeof ended, "%s", json_string_value(json_object_get(params, "file")));
+        json_decref(message);
+    }
+    assert_non_null(strstr(answered, "mine_qs"));
+    assert_string_equal(answered, ended);
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* Share of the picture's pixels that are black. */
 static double black(const char *path)
 {
@@ -593,6 +629,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_export_that_fails_tells_the_name_asked_for),
+        cmocka_unit_test(a_passed_quilt_has_one_name),
         cmocka_unit_test(a_print_and_a_chart_tell_what_they_need),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
         cmocka_unit_test(names_that_are_none_are_refused),

@@ -1,88 +1,6 @@
 /* Scenes that a client sends instead of naming a file: by value, by a descriptor, and with arrays
  * from its memory. */
-#include "tests/daemon/live.h"
-
-#include <sys/mman.h>
-
-typedef struct sender {
-    live l;
-    live_client c;
-} sender;
-
-static void begin(sender *s)
-{
-    live_prepare(&s->l);
-    live_start(&s->l, s->l.scene, "--device", "none", "--state", s->l.state, NULL);
-    live_connect(&s->l, &s->c);
-    json_decref(live_call(&s->c, "wait", NULL));
-}
-
-static void end(sender *s)
-{
-    live_close(&s->c);
-    live_finish(&s->l);
-}
-
-/* A call with descriptors, which are closed: its answer. */
-static json_t *call_with(sender *s, const char *method, json_t *params, const int *fds, int n)
-{
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(8 * sizeof(int))];
-    } control = {.bytes = {0}};
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++s->c.ids,
-                                "method", method, "params", params);
-    char *text = json_dumps(request, JSON_COMPACT);
-    json_decref(request);
-    struct iovec vector = {.iov_base = text, .iov_len = 1};
-    struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
-    if (n > 0) {
-        message.msg_control = &control;
-        message.msg_controllen = CMSG_SPACE((size_t)n * sizeof(int));
-        struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-        c->cmsg_level = SOL_SOCKET;
-        c->cmsg_type = SCM_RIGHTS;
-        c->cmsg_len = CMSG_LEN((size_t)n * sizeof(int));
-        memcpy(CMSG_DATA(c), fds, (size_t)n * sizeof(int));
-    }
-    assert_int_equal(sendmsg(s->c.fd, &message, MSG_NOSIGNAL), 1);
-    live_send(&s->c, text + 1, strlen(text) - 1);
-    live_send(&s->c, "\n", 1);
-    free(text);
-    for (int i = 0; i < n; i++)
-        close(fds[i]);
-    return live_answer(&s->c);
-}
-
-/* Fails unless a call is answered with this code (0: a result) in one line that holds these words.
- */
-static void assert_code(sender *s, const char *method, json_t *params, const int *fds, int n,
-                        int code, const char *words)
-{
-    json_t *answer = call_with(s, method, params, fds, n);
-    const json_t *error = json_object_get(answer, "error");
-    const char *said = json_string_value(json_object_get(error, "message"));
-    if (json_integer_value(json_object_get(error, "code")) != code ||
-        (code != 0 && (!strstr(said, words) || strchr(said, '\n'))))
-        fail_msg("%d \"%s\": %s", code, words, said ? said : "a result");
-    json_decref(answer);
-}
-
-static int memory_file(const void *bytes, size_t n, int seals)
-{
-    int fd = memfd_create("sent", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    assert_true(fd >= 0);
-    for (size_t done = 0; done < n;) {
-        const ssize_t written = write(fd, (const char *)bytes + done, n - done);
-        assert_true(written > 0);
-        done += (size_t)written;
-    }
-    if (seals)
-        assert_int_equal(fcntl(fd, F_ADD_SEALS, seals), 0);
-    return fd;
-}
-
-#define ALL_SEALS (F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW)
+#include "tests/daemon/sender.h"
 
 static json_t *fog(void)
 {
@@ -264,6 +182,93 @@ static void an_array_is_shown_patched_and_loaded_again(void **state)
     end(&s);
 }
 
+static const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+
+/* {scene or patch, arrays} of a tetrahedron, whose positions have this name. */
+static json_t *tetrahedron(const char *key, const char *name)
+{
+    json_t *doc = strcmp(key, "scene") == 0 ? fog() : json_object();
+    json_object_set_new(doc, "meshes",
+                        json_pack("{s:{s:{s:s, s:s}}}", "solid", "arrays", "positions", name,
+                                  "triangles", "faces"));
+    return json_pack("{s:o, s:{s:{s:[i,i], s:s}, s:{s:[i,i], s:s}}}", key, doc, "arrays", name,
+                     "shape", 4, 3, "type", "float32", "faces", "shape", 4, 3, "type", "uint32");
+}
+
+static void put_tetrahedron(int fds[2], float scale)
+{
+    float moved[4][3];
+    for (int i = 0; i < 12; i++)
+        moved[i / 3][i % 3] = scale * corners[i / 3][i % 3];
+    fds[0] = memory_file(moved, sizeof moved, ALL_SEALS);
+    fds[1] = memory_file(faces, sizeof faces, ALL_SEALS);
+}
+
+/* The largest x of the mesh alone. */
+static double reach(sender *s)
+{
+    json_t *patch = json_pack("{s:{s:n}}", "patch", "volumes");
+    assert_code(s, "scene.patch", patch, NULL, 0, 0, "");
+    json_t *answer = live_call(&s->c, "scene.get", NULL);
+    const double x = largest(answer, 0);
+    json_decref(answer);
+    return x;
+}
+
+static void a_mesh_comes_with_a_load_and_with_a_patch(void **state)
+{
+    (void)state;
+    sender s;
+    int fds[2];
+    begin(&s);
+    put_tetrahedron(fds, 1);
+    assert_code(&s, "scene.load", tetrahedron("scene", "corners"), fds, 2, 0, "");
+    lf_assert_close(reach(&s), 1, 1e-6, 0);
+    live_wait(&s.c, "coarse");
+    /* a patch names other arrays, and then replaces one of the same name */
+    put_tetrahedron(fds, 2);
+    assert_code(&s, "scene.patch", tetrahedron("patch", "others"), fds, 2, 0, "");
+    lf_assert_close(reach(&s), 2, 1e-6, 0);
+    put_tetrahedron(fds, 3);
+    assert_code(&s, "scene.patch", tetrahedron("patch", "others"), fds, 2, 0, "");
+    lf_assert_close(reach(&s), 3, 1e-6, 0);
+    /* a wrong one changes nothing */
+    put_tetrahedron(fds, NAN);
+    assert_code(&s, "scene.patch", tetrahedron("patch", "others"), fds, 2, -32002,
+                "/meshes/solid/arrays: solid: the value at [0, 0] of positions is");
+    lf_assert_close(reach(&s), 3, 1e-6, 0);
+    put_tetrahedron(fds, 4);
+    close(fds[1]);
+    fds[1] = memory_file(corners, sizeof corners, ALL_SEALS); /* the floats are no indices */
+    assert_code(&s, "scene.patch", tetrahedron("patch", "others"), fds, 2, -32002,
+                "of triangles is");
+    json_t *patch = json_pack("{s:{s:{s:{s:{s:s}}}}}", "patch", "meshes", "solid", "arrays",
+                              "positions", "nothing");
+    assert_code(&s, "scene.patch", patch, NULL, 0, -32002, "no array of this name was passed");
+    put_tetrahedron(fds, 4);
+    assert_code(&s, "scene.patch", tetrahedron("patch", "others"), fds, 1, -32602,
+                "but 1 came with it");
+    close(fds[1]);
+    lf_assert_close(reach(&s), 3, 1e-6, 0);
+    /* a patch may bring an array for a volume, with its emission */
+    int fd = smoke_file(1.0f, ALL_SEALS);
+    patch = smoke();
+    json_object_del(patch, "scene");
+    json_object_set_new(patch, "patch",
+                        json_pack("{s:{s:{s:s, s:{s:s, s:i}}}}", "volumes", "cloud", "array",
+                                  "smoke", "emission", "array", "smoke", "scale", 3));
+    assert_code(&s, "scene.patch", patch, &fd, 1, 0, "");
+    /* a reload has them all */
+    const double before = live_number(&s.c, "status", NULL, "generation");
+    kill(s.l.pid, SIGHUP);
+    for (int i = 0; i < LIVE_PATIENCE_S * 50; i++, live_nap(20))
+        if (live_number(&s.c, "status", NULL, "generation") > before)
+            break;
+    lf_assert_close(reach(&s), 1, 1e-6, 0); /* the scene as it was sent */
+    end(&s);
+}
+
 static void wrong_arrays_leave_the_scene(void **state)
 {
     (void)state;
@@ -278,10 +283,12 @@ static void wrong_arrays_leave_the_scene(void **state)
     assert_code(&s, "scene.load", smoke(), NULL, 0, -32602, "but 0 came with it");
     static const struct {
         const char *key, *value, *words;
-    } wrong[] = {{"shape", "[3, 2]", "[nz, ny, nx]"},
+    } wrong[] = {{"shape", "[3]", "[nz, ny, nx] or [n, columns]"},
+                 {"shape", "[1, 4, 3, 2]", "[nz, ny, nx]"},
                  {"shape", "[4, 3, 2.5]", "[nz, ny, nx]"},
                  {"shape", "[4, 0, 2]", "a length below 1"},
-                 {"type", "\"float64\"", "\"float32\""},
+                 {"type", "\"float64\"", "\"float32\" or \"uint32\""},
+                 {"type", "\"uint8\"", "\"float32\" or \"uint32\""},
                  {"order", "\"F\"", "only \"shape\" and \"type\""}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         json_t *params = smoke();
@@ -347,6 +354,7 @@ int main(void)
         cmocka_unit_test(a_scene_has_one_source_and_absolute_paths),
         cmocka_unit_test(a_long_document_comes_by_a_descriptor),
         cmocka_unit_test(an_array_is_shown_patched_and_loaded_again),
+        cmocka_unit_test(a_mesh_comes_with_a_load_and_with_a_patch),
         cmocka_unit_test(wrong_arrays_leave_the_scene),
         cmocka_unit_test(a_long_line_keeps_its_descriptors),
         cmocka_unit_test(descriptors_come_in_the_order_of_the_manual),

@@ -246,6 +246,7 @@ static lf_camera scene_camera(void)
                        .aspect = 1.25,
                        .n_views = 12,
                        .cone = 0.5,
+                       .depthiness = 1,
                        .has_aspect = true,
                        .has_views = true,
                        .has_cone = true};
@@ -305,7 +306,8 @@ static void command_line_beats_preset_beats_panel_beats_scene(void **state)
         lf_render_settings settings;
         lf_layout layout;
         if (!cases[i].scene_says)
-            camera = (lf_camera){.fov_y = 0.25, .aspect = 0.75, .n_views = 45, .cone = 0.7};
+            camera = (lf_camera){
+                .fov_y = 0.25, .aspect = 0.75, .n_views = 45, .cone = 0.7, .depthiness = 1};
         print_message("case %zu: \"%s\"\n", i, cases[i].line);
         resolve(cases[i].line, &camera, cases[i].with_panel ? &calibration : NULL, &settings,
                 &layout);
@@ -320,6 +322,41 @@ static void command_line_beats_preset_beats_panel_beats_scene(void **state)
         lf_assert_close(settings.camera.cone, cases[i].cone, 1e-12, 0);
         lf_assert_close(settings.camera.fov_y, 0.25, 0, 0);
     }
+}
+
+/* A camera after lf_resolve_view, of this cone or track. */
+static lf_camera resolved(double cone, double track, double depthiness,
+                          const lf_calibration *calibration)
+{
+    lf_camera camera = scene_camera();
+    lf_render_settings settings;
+    lf_layout layout;
+    camera.cone = cone;
+    camera.track = track;
+    camera.rows_height = track;
+    camera.depthiness = depthiness;
+    resolve("", &camera, calibration, &settings, &layout);
+    return settings.camera;
+}
+
+static void depthiness_is_a_factor_of_the_cone_in_use(void **state)
+{
+    (void)state;
+    const double rad = M_PI / 180;
+    const lf_calibration of_panel = panel();
+    const lf_camera half = resolved(40 * rad, 0, 0.5, NULL),
+                    narrow = resolved(20 * rad, 0, 1, NULL);
+    assert_memory_equal(&half, &narrow, sizeof half);
+    /* a panel's cone is 90 degrees */
+    lf_assert_close(resolved(40 * rad, 0, 0.5, &of_panel).cone, 45 * rad, 1e-12, 0);
+    lf_assert_close(resolved(40 * rad, 3, 0.5, &of_panel).cone, 45 * rad, 1e-12, 0);
+    lf_assert_close(resolved(40 * rad, 0, 0, &of_panel).cone, 0, 0, 0);
+    lf_assert_close(resolved(40 * rad, 0, 2, NULL).cone, 80 * rad, 1e-12, 0);
+    lf_assert_close(resolved(40 * rad, 3, 0.5, NULL).track, 1.5, 1e-12, 0);
+    lf_assert_close(resolved(40 * rad, 3, 0.5, NULL).rows_height, 1.5, 1e-12, 0);
+    /* a track without length is an arc without an angle */
+    lf_assert_close(resolved(40 * rad, 3, 0, NULL).track, 0, 0, 0);
+    lf_assert_close(resolved(40 * rad, 3, 0, NULL).cone, 0, 0, 0);
 }
 
 /* What the panel says of itself stands where a preset would. */
@@ -448,6 +485,7 @@ int main(void)
         cmocka_unit_test(wrong_words_are_refused_with_the_option_and_what_it_expects),
         cmocka_unit_test(pairs_and_numbers_read_what_was_typed),
         cmocka_unit_test(command_line_beats_preset_beats_panel_beats_scene),
+        cmocka_unit_test(depthiness_is_a_factor_of_the_cone_in_use),
         cmocka_unit_test(a_panel_may_say_its_own_quilt),
         cmocka_unit_test(a_panel_without_a_cone_leaves_the_scenes),
         cmocka_unit_test(render_options_reach_the_settings),

@@ -78,6 +78,7 @@ static void a_status_is_told_in_samples(void **state)
         "present", 1, "updates", (json_int_t)12, "bytes", (json_int_t)5000000000, "clients", 3,
         "jobs");
     assert_non_null(status);
+    json_object_set_new(status, "seconds_left", json_real(12.5));
     char *said = said_of(status);
     assert_grammar(said);
     assert_says(said, "quiltd_up 1");
@@ -91,6 +92,7 @@ static void a_status_is_told_in_samples(void **state)
     assert_says(said, "quiltd_shown_generation 6");
     assert_says(said, "quiltd_passes 2.5");
     assert_says(said, "quiltd_paused 0");
+    assert_says(said, "quiltd_seconds_left 12.5");
     assert_says(said, "quiltd_device_connected 1");
     assert_says(said, "# TYPE quiltd_pushed_bytes_total counter");
     assert_says(said, "quiltd_pushed_bytes_total 5000000000");

@@ -138,6 +138,12 @@ int __wrap_lf_find_hid(lf_found *out, int max)
     return 1;
 }
 
+int __wrap_lf_find_all(lf_found *out, int max);
+int __wrap_lf_find_all(lf_found *out, int max)
+{
+    return __wrap_lf_find_hid(out, max);
+}
+
 lf_status __wrap_lf_buttons_open(const char *path, lf_buttons **out, lf_error *err);
 lf_status __wrap_lf_buttons_open(const char *path, lf_buttons **out, lf_error *err)
 {
@@ -174,7 +180,7 @@ lf_buttons_event __wrap_lf_buttons_next(lf_buttons *buttons, lf_button *out_butt
 
 /* Where listing waits until its thread is joined. */
 static struct {
-    atomic_bool wanted;
+    atomic_bool wanted, on;
     pthread_t thread;
     sem_t begun, may_end;
 } hold;
@@ -187,8 +193,10 @@ int __wrap_lf_device_list(lf_device_info *out, int max)
     out[1] = (lf_device_info){.spec = "none"};
     if (hold.wanted) {
         hold.thread = pthread_self();
+        hold.on = true;
         sem_post(&hold.begun);
         sem_wait(&hold.may_end);
+        hold.on = false;
     }
     return 2;
 }
@@ -197,12 +205,14 @@ int __real_pthread_join(pthread_t thread, void **out);
 int __wrap_pthread_join(pthread_t thread, void **out);
 int __wrap_pthread_join(pthread_t thread, void **out)
 {
-    if (hold.wanted && pthread_equal(thread, hold.thread))
+    if (hold.on && pthread_equal(thread, hold.thread))
         sem_post(&hold.may_end);
     return __real_pthread_join(thread, out);
 }
 
 /* --------------------------------------------------------------------------------- the owner -- */
+
+static pthread_t main_thread;
 
 /* Answers. */
 static char it[] = "it", that[] = "that", them[] = "them", first[] = "first", second[] = "second";
@@ -236,6 +246,27 @@ static void on_listed(void *context, void *answer, const lf_device_info *devices
 {
     tell(context, "listed %s %d %s, ", (const char *)answer, n,
          err ? lf_status_name(err->status) : devices->model);
+}
+
+static atomic_int n_looks;
+
+/* On the thread that has searched. */
+static void look(void *answer, const lf_device_info *devices, int n_devices, const lf_found *found,
+                 int n_found)
+{
+    assert_string_equal(answer, "first");
+    assert_int_equal(n_devices, 2);
+    assert_string_equal(devices->model, "as others see it");
+    assert_int_equal(n_found, 1);
+    assert_string_equal(found->path, "the test's");
+    assert_false(pthread_equal(pthread_self(), main_thread));
+    n_looks++;
+}
+
+static void on_examined(void *context, void *answer, const lf_error *err)
+{
+    tell(context, "examined %s %s, ", (const char *)answer,
+         err ? lf_status_name(err->status) : "ok");
 }
 
 static void on_changed(void *context)
@@ -281,6 +312,7 @@ static int set_up(void **state)
 {
     static const lf_show_events events = {.opened = on_opened,
                                           .listed = on_listed,
+                                          .examined = on_examined,
                                           .changed = on_changed,
                                           .lens = on_lens,
                                           .shown = on_shown,
@@ -465,8 +497,42 @@ static void what_the_end_drops_is_answered_as_cancelled(void **state)
              "listed second 0 LF_E_CANCELLED, ");
 }
 
+static void nothing_waits_for_an_examination(void **state)
+{
+    owner *o = *state;
+    n_looks = 0;
+    hold.wanted = true;
+    lf_assert_ok(lf_show_examine(o->show, look, first), NULL);
+    sem_wait(&hold.begun);
+    hold.wanted = false;
+    lf_assert_ok(lf_show_list(o->show, them), NULL);
+    await(o, "listed them 2 as others see it, ");
+    open_panel(o);
+    await(o, "lens 0.125 new, changed the test's, opened it ok, ");
+    assert_int_equal(n_looks, 0);
+    sem_post(&hold.may_end);
+    await(o, "examined first ok, ");
+    assert_int_equal(n_looks, 1);
+}
+
+static void an_examination_that_the_end_drops_looks_at_nothing(void **state)
+{
+    owner *o = *state;
+    n_looks = 0;
+    hold.wanted = true;
+    lf_assert_ok(lf_show_examine(o->show, look, first), NULL);
+    sem_wait(&hold.begun);
+    lf_assert_ok(lf_show_examine(o->show, look, second), NULL);
+    lf_show_stop(o->show);
+    end_show(o);
+    hold.wanted = false;
+    await(o, "examined first ok, examined second LF_E_CANCELLED, ");
+    assert_int_equal(n_looks, 1);
+}
+
 int main(void)
 {
+    main_thread = pthread_self();
     sem_init(&hold.begun, 0, 0);
     sem_init(&hold.may_end, 0, 0);
     const struct CMUnitTest tests[] = {
@@ -477,6 +543,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(another_lens_gets_no_frame_of_the_one_before, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_opened_leaves_the_panel_alone, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(nothing_waits_for_an_examination, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_examination_that_the_end_drops_looks_at_nothing, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(what_the_end_drops_is_answered_as_cancelled, set_up,
                                         tear_down),

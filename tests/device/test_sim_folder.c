@@ -26,12 +26,19 @@ static void two_never_share_a_panel(void **state)
 static void folder_is_made_and_bad_ones_are_named(void **state)
 {
     char *dir = *state;
-    char deep[PATH_MAX + 16];
-    snprintf(deep, sizeof deep, "%s/a/b", dir);
+    char deep[PATH_MAX + 16], parent[PATH_MAX + 64];
+    lf_device *device = NULL;
+    lf_error err = {0};
+    snprintf(parent, sizeof parent, "the folder %s/a/ does not exist", dir);
+    snprintf(deep, sizeof deep, "%s/a/b/", dir);
+    char spec[PATH_MAX + 32];
+    snprintf(spec, sizeof spec, "sim:%s", deep);
+    lf_assert_status(lf_device_open(spec, NULL, &device, &err), LF_E_IO, &err);
+    assert_non_null(strstr(err.what, parent));
+    assert_int_equal(mkdir(lf_test_path(dir, "a"), 0777), 0);
     lf_device_destroy(open_sim(deep, ""));
     assert_int_equal(access(deep, F_OK), 0);
     lf_test_write(dir, "file", "x");
-    lf_device *device = NULL;
     snprintf(deep, sizeof deep, "%s/file", dir);
     lf_assert_status(try_open(deep, "", &device), LF_E_IO, NULL);
     snprintf(deep, sizeof deep, "%s/file/below", dir);

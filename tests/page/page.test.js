@@ -246,7 +246,60 @@ describe("files of the person", () => {
       await drop([{ name, data }]);
       await until(async () => words.test(await notice()));
     }
+    assert.ok(!(await notice()).includes("/upload/"));
+    await at("#dismiss").click();
+    assert.equal(await notice(), "");
     assert.equal((await quiltd.q.status()).scene, scene);
+  });
+});
+
+describe("the other tabs", () => {
+  const slides = () => at("#slides li .name").allTextContents();
+
+  step("export a file, which arrives by itself", async () => {
+    await tab("export");
+    const download = page.waitForEvent("download", { timeout: 120000 });
+    await at("#export-start").click();
+    assert.equal((await download).suggestedFilename(), "pyramid.png");
+    await until(async () => /done/.test(await at("#jobs li").first().textContent()));
+  });
+
+  step("name a quilt by its tiles", async () => {
+    const { columns, rows } = await quiltd.q.status();
+    await at("#export-kind").selectOption("quilt");
+    const download = page.waitForEvent("download", { timeout: 120000 });
+    await at("#export-start").click();
+    assert.match((await download).suggestedFilename(), new RegExp(`^pyramid_qs${columns}x${rows}a0\\.75\\.png$`));
+  });
+
+  step("show the folders of quiltd, and make a slideshow of their files", async () => {
+    await tab("library");
+    await at('#entries [data-kind="folder"]').first().click();
+    const add = at("#entries .add").first();
+    for (let n = 1; n <= 3; n++) {
+      await add.click();
+      await until(async () => (await quiltd.q.call("playlist.get")).entries.length === n);
+    }
+    await tab("slideshow");
+    await until(async () => (await slides()).length === 3);
+    const seconds = at("#slides .scrub").nth(2);
+    await seconds.fill("7");
+    await seconds.press("Enter");
+    await until(async () => (await quiltd.q.call("playlist.get")).entries[2].seconds === 7);
+  });
+
+  step("change the order by drag and by keys, and the focus follows", async () => {
+    const order = async () => (await quiltd.q.call("playlist.get")).entries.map((entry) => entry.seconds === 7);
+    await at("#slides .grip").nth(2).dragTo(at("#slides .grip").nth(0));
+    await until(async () => (await order())[0]);
+    await at("#slides .name").first().press("Alt+ArrowDown");
+    await until(async () => (await order())[1]);
+    await until(() => page.evaluate(() => document.activeElement.dataset.key === "name1"));
+    for (let n = 2; n >= 0; n--) {
+      await at("#slides .remove").first().click();
+      await until(async () => (await slides()).length === n);
+    }
+    assert.equal(await notice(), "");
   });
 });
 

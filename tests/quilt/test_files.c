@@ -159,6 +159,12 @@ static void padding_at_the_right_and_the_top_is_left_out(void **state)
     lf_free(data);
 }
 
+static void assert_noted(const lf_quilt_file *q, const char *lines)
+{
+    assert_int_equal(q->notes.length, strlen(lines));
+    assert_memory_equal(q->notes.text, lines, strlen(lines));
+}
+
 static void a_layout_comes_from_the_name_or_the_caller(void **state)
 {
     lf_layout layout = layout_of(4, 3, 12);
@@ -171,10 +177,24 @@ static void a_layout_comes_from_the_name_or_the_caller(void **state)
     lf_assert_status(lf_quilt_read(plain, NULL, 0, 0, &q, &err), LF_E_ARG, &err);
     assert_non_null(strstr(err.what, "--quilt"));
     assert_null(q.image8.data);
-    /* the caller wins, the aspect stays */
+    /* the caller wins, the aspect stays, and a note says so */
     lf_assert_ok(lf_quilt_read(named, NULL, 4, 3, &q, &err), &err);
     assert_views(&q, 12);
     lf_assert_close(q.layout.aspect, 2, 0, 0);
+    assert_noted(&q, "is cut into 4x3 views, but its name says 12x1\n");
+    lf_quilt_finish(&q);
+    lf_assert_ok(lf_quilt_read(named, NULL, 11, 1, &q, &err), &err);
+    assert_noted(&q, "is cut into 11x1 views, but its name says 12x1\n");
+    lf_quilt_finish(&q);
+    lf_assert_ok(lf_quilt_read(plain, NULL, 4, 3, &q, &err), &err);
+    assert_noted(&q, "");
+    lf_quilt_finish(&q);
+    lf_assert_ok(lf_quilt_read(plain, NULL, 5, 4, &q, &err), &err);
+    assert_noted(&q, "44x21 pixels are no multiple of 5x4 views; 4 columns at the right and 1 rows "
+                     "at the top are left out\n");
+    lf_quilt_finish(&q);
+    lf_assert_ok(lf_quilt_read(named, NULL, 0, 0, &q, &err), &err); /* padding of a named quilt */
+    assert_noted(&q, "");
     lf_quilt_finish(&q);
     lf_assert_status(lf_quilt_read(plain, NULL, 60, 3, &q, &err), LF_E_FORMAT, &err);
 }
@@ -281,8 +301,7 @@ static void assert_notes(const char *path, const char *line)
     lf_quilt_file q = {0};
     lf_error err;
     lf_assert_ok(lf_quilt_read(path, NULL, 0, 0, &q, &err), &err);
-    assert_int_equal(q.notes.length, strlen(line));
-    assert_memory_equal(q.notes.text, line, strlen(line));
+    assert_noted(&q, line);
     lf_quilt_finish(&q);
 }
 

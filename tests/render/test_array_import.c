@@ -6,35 +6,25 @@
  * wrong depth is rejected. */
 #include "tests/testing.h"
 
-#include <fcntl.h>
 #include <limits.h>
 #include <stdarg.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
-#include "base/passed.h"
 #include "base/paths.h"
 #include "render/scene/look_up.h"
 #include "render/scene/scene.h"
 #include "render/transport/path/track.h"
 #include "render/transport/sampler.h"
+#include "tests/render/arrays.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 12, HEIGHT = 9 };
 
-#define ALL_SEALS (F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW)
-
 /* Adds the array v[size[2]][size[1]][size[0]]. */
 static void pass(lf_passed *passed, const char *name, const int64_t size[3], const float *values)
 {
-    const size_t bytes = (size_t)(size[0] * size[1] * size[2]) * sizeof *values;
-    lf_error err;
-    int fd = memfd_create("array", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    assert_true(fd >= 0);
-    assert_int_equal(write(fd, values, bytes), bytes);
-    assert_int_equal(fcntl(fd, F_ADD_SEALS, ALL_SEALS), 0);
-    lf_assert_ok(lf_passed_add_array(passed, name, size, fd, &err), &err);
+    pass_array(passed, name, (lf_array){.n_axes = 3, .length = {size[2], size[1], size[0]}},
+               values);
 }
 
 static lf_passed *pass_one(const char *name, const int64_t size[3], const float *values)
@@ -218,6 +208,51 @@ static void an_array_and_a_vdb_file_of_its_voxels_give_the_same_film(void **stat
     lf_passed_unref(passed);
 }
 
+/* Emission in proportion to the array, and by temperature; each unlike a volume that only scatters.
+ */
+static void an_array_emits_as_a_grid_of_its_voxels(void **state)
+{
+    (void)state;
+    static const int64_t size[3] = {NX, NY, NZ};
+    static float values[NZ][NY][NX];
+    static const char *const more[] = {"'scale': 0.3, 'colour': [1, 0.5, 0.2]",
+                                       "'scale': 2, 'temperature_scale': 3000"};
+    char path[PATH_MAX];
+    lf_error err = {0};
+    for (int i = 0; i < NX * NY * NZ; i++)
+        values[i / NX / NY][i / NX % NY][i % NX] =
+            pattern(i % NX - 5, i / NX % NY + 3, i / NX / NY - 9);
+    assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), path));
+    lf_passed *passed = pass_one("a", size, &values[0][0][0]);
+    pass(passed, "hot", size, &values[0][0][0]);
+    lf_scene *dark = loaded(passed, NULL, "'array': 'a', 'scale': 0.2");
+    lf_renderer *d = render(dark);
+    for (int k = 0; k < 2; k++) {
+        lf_scene *file = NULL, *array = NULL, *own = NULL;
+        if (load(passed, NULL, &array, &err,
+                 "'array': 'a', 'scale': 0.2, 'emission': {'array': 'hot', %s}", more[k]) ||
+            load(passed, NULL, &own, &err, "'array': 'a', 'scale': 0.2, 'emission': {%s}",
+                 more[k]) ||
+            load(NULL, NULL, &file, &err,
+                 "'file': '%s', 'grid': 'half', 'scale': 0.2, 'emission': {'grid': 'half', %s}, "
+                 "'transform': {'translate': [-7.5, -16.5, 0.5]}",
+                 path, more[k]))
+            fail_msg("%s: %s", err.pointer, err.what);
+        lf_renderer *a = render(array), *f = render(file), *o = render(own);
+        assert_true(same_films(a, f) && same_films(a, o));
+        assert_false(same_films(a, d));
+        lf_renderer_destroy(a);
+        lf_renderer_destroy(f);
+        lf_renderer_destroy(o);
+        lf_scene_unref(array);
+        lf_scene_unref(file);
+        lf_scene_unref(own);
+    }
+    lf_renderer_destroy(d);
+    lf_scene_unref(dark);
+    lf_passed_unref(passed);
+}
+
 static float at(const lf_grid *grid, int x, int y, int z)
 {
     return lf_grid_nearest(grid, (float)x, (float)y, (float)z);
@@ -318,6 +353,16 @@ static void a_film_is_a_picture_of_the_values_and_the_shape(void **state)
     lf_assert_ok(added(a, same), NULL);
     lf_assert_status(added(a, turn), LF_E_STATE, NULL);
     lf_assert_status(added(a, changed), LF_E_STATE, NULL);
+    /* and of what it emits */
+    lf_scene *glow = loaded(passed, NULL, "'array': 'a', 'emission': {'array': 'a'}"),
+             *named = loaded(passed, NULL, "'array': 'a', 'emission': {'array': 'same'}"),
+             *other = loaded(passed, NULL, "'array': 'a', 'emission': {'array': 'changed'}");
+    lf_assert_ok(added(glow, named), NULL);
+    lf_assert_status(added(glow, other), LF_E_STATE, NULL);
+    lf_assert_status(added(glow, a), LF_E_STATE, NULL);
+    lf_scene_unref(glow);
+    lf_scene_unref(named);
+    lf_scene_unref(other);
     lf_scene_unref(a);
     lf_scene_unref(same);
     lf_scene_unref(turn);
@@ -365,8 +410,19 @@ static void other_arrays_keys_and_relative_paths_are_refused(void **state)
     assert_refused(passed, "'array': 'smoke', 'file': '/a.vdb'", "/volumes/v", "only one");
     assert_refused(passed, "'array': 'smoke', 'spacing': 0", "/volumes/v/spacing", "1e-09");
     assert_refused(passed, "'array': 'smoke', 'spacing': [1, 2]", "/volumes/v/spacing", "3");
-    assert_refused(passed, "'array': 'smoke', 'emission': {}", "/volumes/v/emission",
+    assert_refused(passed, "'array': 'smoke', 'velocity': 'v'", "/volumes/v/velocity",
                    "unknown key");
+    assert_refused(passed, "'array': 'smoke', 'emission': {'grid': 'smoke'}",
+                   "/volumes/v/emission/grid", "unknown key");
+    assert_refused(passed, "'array': 'smoke', 'emission': {'array': 'fog'}", "/volumes/v/emission",
+                   "no array of this name");
+    pass(passed, "two", (int64_t[]){1, 1, 2}, (float[]){1.0f, 1.0f});
+    assert_refused(
+        passed, "'array': 'smoke', 'emission': {'array': 'two'}", "/volumes/v/emission",
+        "has float32 values of shape [2, 1, 1]; expected float32 values of shape [1, 1, 1]");
+    pass(passed, "bad", size, &(float){NAN});
+    assert_refused(passed, "'array': 'smoke', 'emission': {'array': 'bad'}", "/volumes/v/emission",
+                   "the value at [0, 0, 0] is nan");
     assert_refused(passed, "'file': 'a.vdb'", "/volumes/v/file", "must be absolute");
     lf_passed_unref(passed);
 }
@@ -377,6 +433,7 @@ int main(void)
         cmocka_unit_test(a_constant_array_is_a_homogeneous_box),
         cmocka_unit_test(a_bright_corner_lies_at_large_x_small_y_large_z),
         cmocka_unit_test(an_array_and_a_vdb_file_of_its_voxels_give_the_same_film),
+        cmocka_unit_test(an_array_emits_as_a_grid_of_its_voxels),
         cmocka_unit_test(every_voxel_keeps_its_value),
         cmocka_unit_test(a_changed_scene_keeps_the_array_and_takes_another_one),
         cmocka_unit_test(a_film_is_a_picture_of_the_values_and_the_shape),

@@ -100,6 +100,8 @@ static void wrong_lists_are_refused_where_they_are_wrong(void **state)
         {"'views': {'circle': {'count': 300}}", "/camera/views/circle/count", "256"},
         {"'views': {'circle': {}, 'list': []}", "/camera/views", "or {\"circle\""},
         {"'view_blur': 1, 'views': {'circle': {}}", "/camera/view_blur", "cannot have view_blur"},
+        {"'depthiness': 0.5, 'views': {'circle': {}}", "/camera/depthiness",
+         "cannot have depthiness"},
         {"'position': [0, 0, 0], 'views': {'circle': {}}", "/camera/position", "is at its target"},
         {"'from': {'mesh': 'm'}, 'views': {'circle': {}}", "/camera/from", "one by one"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

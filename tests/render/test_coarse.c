@@ -362,6 +362,35 @@ static void nothing_of_fans_alone_is_left_behind_a_visit(void **state)
     lf_scene_unref(scene);
 }
 
+/* A provisional row does not know pixels between others: they are as far as in the nearest row with
+ * paths. */
+static void pixels_between_rows_have_a_depth(void **state)
+{
+    (void)state;
+    static float out[HEIGHT * VIEWS * WIDTH][2];
+    int between = 0, near = 0;
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("ball-before-wall", 19));
+    lf_renderer *r = coarse_frame(scene, true, NULL);
+    lf_assert_ok(
+        lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_DEPTH | LF_LAYER_COVERAGE, out[0], NULL),
+        NULL);
+    for (int i = 0; i < HEIGHT * VIEWS * WIDTH; i++) {
+        const int column = i % WIDTH, view = i / WIDTH % VIEWS, row = i / WIDTH / VIEWS;
+        int apart = 0;
+        if (!r->film.rows[row].provisional || seen_at(r, row, view, column).q >= 0.0f)
+            continue;
+        while (!lf_renderer_visited(r, row + apart))
+            apart = apart < 0 ? -apart : -apart - 1;
+        const float *from = out[i + apart * VIEWS * WIDTH];
+        assert_true(out[i][0] == from[0] && out[i][1] == from[1]);
+        between++;
+        near += out[i][0] > 0.0f;
+    }
+    assert_true(between > 0 && near > 0);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 /* A fit answers rows without paths, and no others that nobody has looked at. */
 static void a_fit_answers_rows_that_have_no_paths(void **state)
 {
@@ -485,6 +514,7 @@ int main(void)
         cmocka_unit_test(fans_of_rows_without_paths_are_those_of_a_coarse_pass),
         cmocka_unit_test(what_changes_little_is_left_to_the_rows_around),
         cmocka_unit_test(nothing_of_fans_alone_is_left_behind_a_visit),
+        cmocka_unit_test(pixels_between_rows_have_a_depth),
         cmocka_unit_test(a_fit_answers_rows_that_have_no_paths),
         cmocka_unit_test(what_is_constant_stays_where_no_cell_is),
         cmocka_unit_test(a_fit_of_many_views_is_the_same_for_any_number_of_threads),

@@ -207,6 +207,22 @@ static void a_sky_is_read_once(void **state)
 }
 
 /* Two grids of one file, carried by the same velocities. */
+static void files_of_a_quiet_group_are_not_told(void **state)
+{
+    char *folder = lf_test_folder();
+    lf_import_group group, part, *before = lf_import_group_begin(&group);
+    (void)state;
+    lf_test_write(folder, "a.obj", triangle);
+    static const char text[] = "{'meshes': {'m': {'file': 'a.obj'}}}";
+    group.is_quiet = true;
+    lf_import_group *whole = lf_import_group_begin(&part);
+    assert_int_equal(count_read(folder, text, "a.obj"), 0);
+    (void)lf_import_group_enter(whole);
+    (void)lf_import_group_enter(before);
+    assert_int_equal(count_read(folder, text, "a.obj"), 1);
+    lf_test_folder_remove(folder);
+}
+
 static void velocities_are_read_once(void **state)
 {
     char *folder = lf_test_folder();
@@ -383,6 +399,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_file_of_places_is_read_once),
         cmocka_unit_test(the_end_of_the_shutter_reads_what_moves),
         cmocka_unit_test(a_sky_is_read_once),
+        cmocka_unit_test(files_of_a_quiet_group_are_not_told),
         cmocka_unit_test(velocities_are_read_once),
         cmocka_unit_test(what_one_file_takes_the_next_has_not),
         cmocka_unit_test(the_limit_is_that_of_all_files_together),

@@ -130,6 +130,32 @@ static void a_volume_stands_on_a_ground_too(void **state)
     lf_scene_unref(scene);
 }
 
+static double ground_below(const char *mesh)
+{
+    char text[1000];
+    snprintf(text, sizeof text, "{'meshes': {%s, " GROUND "}}", mesh);
+    lf_scene *scene = lf_test_scene(text);
+    json_t *to = json_object_get(member(scene, "meshes", "floor", "transform"), "translate");
+    const double y = number_at(to, 1);
+    lf_scene_unref(scene);
+    return y;
+}
+
+static void a_floor_of_a_model_hides_the_ground(void **state)
+{
+    (void)state;
+    const double gap = 1e-3 * sqrt(2); /* a quad's half diagonal */
+    lf_assert_close(ground_below("'tiles': {'shape': 'quad', 'ground': false}"), -gap, 0, 1e-9);
+    lf_assert_close(ground_below("'tiles': {'shape': 'quad', 'ground': false, 'transform': "
+                                 "{'rotate': [180, 0, 0]}}"),
+                    -gap, 0, 1e-9);
+    /* the bottom of a body, alone and beside a floor that lies higher */
+    lf_assert_close(ground_below(CUBE("1", "[0, 1, 0]")), 0, 0, 1e-12);
+    lf_assert_close(
+        ground_below("'tiles': {'shape': 'quad', 'ground': false}, " CUBE("1", "[0, 0.99, 0]")),
+        -0.01, 0, 1e-9);
+}
+
 static void the_camera_fits_one_thing_and_looks_from_where_it_is_told(void **state)
 {
     (void)state;
@@ -223,6 +249,7 @@ int main(void)
         cmocka_unit_test(a_fit_leaves_grounds_out),
         cmocka_unit_test(a_model_of_any_size_stands_on_its_ground_before_the_camera),
         cmocka_unit_test(a_volume_stands_on_a_ground_too),
+        cmocka_unit_test(a_floor_of_a_model_hides_the_ground),
         cmocka_unit_test(the_camera_fits_one_thing_and_looks_from_where_it_is_told),
         cmocka_unit_test(what_cannot_be_placed_is_told),
         lf_test_in_folder(what_is_placed_is_so_in_all_frames),

@@ -124,7 +124,7 @@ static void assert_known_keywords(const json_t *schema)
         "propertyNames "
         "maxProperties required $ref items prefixItems minItems maxItems minLength maxLength "
         "pattern minimum "
-        "maximum enum const anyOf oneOf ";
+        "maximum enum const anyOf oneOf not ";
     const char *key;
     json_t *member;
     json_object_foreach((json_t *)(uintptr_t)schema, key, member)
@@ -143,7 +143,8 @@ static bool valid(const json_t *root, const json_t *schema, json_t *value)
     assert_true(json_is_object(schema));
     assert_known_keywords(schema);
     const json_t *type = json_object_get(schema, "type"), *ref = json_object_get(schema, "$ref");
-    const json_t *any = json_object_get(schema, "anyOf"), *one = json_object_get(schema, "oneOf");
+    const json_t *any = json_object_get(schema, "anyOf"), *one = json_object_get(schema, "oneOf"),
+                 *not = json_object_get(schema, "not");
     if (ref) {
         const char *name = json_string_value(ref) + strlen("#/$defs/");
         const json_t *target = json_object_get(json_object_get(root, "$defs"), name);
@@ -154,7 +155,8 @@ static bool valid(const json_t *root, const json_t *schema, json_t *value)
     }
     return (!type || has_type(json_string_value(type), value)) &&
            (!any || count_valid(root, any, value) > 0) &&
-           (!one || count_valid(root, one, value) == 1) && valid_scalar(schema, value) &&
+           (!one || count_valid(root, one, value) == 1) && (!not || !valid(root, not, value)) &&
+           valid_scalar(schema, value) &&
            (!json_is_object(value) || valid_object(root, schema, value)) &&
            (!json_is_array(value) || valid_array(root, schema, value)) &&
            (!json_is_string(value) || valid_string(schema, value));
@@ -205,10 +207,18 @@ static const char *const good[] = {
     "{'camera': {'fov_y': 0.1, 'aspect': 20, 'cone': 0, 'placement': 'inclusive', 'views': 1, "
     "'lens_radius': 1}}",
     "{'camera': {'view_blur': 1.5}}",
+    "{'camera': {'depthiness': 0}}",
+    "{'camera': {'depthiness': 2}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'grid': 'd', 'scale': 0, 'interpolation': 'nearest', "
     "'g': -0.999}}}",
     "{'volumes': {'v': {'file': 'a.VDB'}}}",
     "{'volumes': {'v': {'array': 'a'}}}",
+    "{'volumes': {'v': {'array': 'a', 'emission': {}}}}",
+    "{'volumes': {'v': {'array': 'a', 'emission': {'array': 'b', 'scale': 2, 'colour': [1, 0, 0], "
+    "'temperature_scale': {'keys': [[1, 1], [9, 2]]}}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't', 'normals': 'n', 'uvs': 'u'}, "
+    "'normals': 'smooth', 'units': 'mm', 'catcher': true, 'transform': {'scale': 2}}}}",
     "{'volumes': {'v': {'array': 'a', 'spacing': [1, 0.5, 1e9], 'scale': 2, 'sigma_t': 1, "
     "'precision': 'half', 'interpolation': 'nearest', 'droplets': 9, 'transform': {'scale': 2}}}}",
     "{'volumes': {'v': {'array': 'a', 'spacing': {'keys': [[1, 1], [9, 2]]}, 'albedo': 0.5}}}",
@@ -315,7 +325,22 @@ static const char *const wrong[] = {
     "{'volumes': {'v': {'array': 1}}}",
     "{'volumes': {'v': {'array': 'a', 'spacing': 0}}}",
     "{'volumes': {'v': {'array': 'a', 'spacing': [1, 1]}}}",
-    "{'volumes': {'v': {'array': 'a', 'emission': {}}}}",
+    "{'volumes': {'v': {'array': 'a', 'emission': {'grid': 'heat'}}}}",
+    "{'volumes': {'v': {'array': 'a', 'emission': {'array': ''}}}}",
+    "{'volumes': {'v': {'array': 'a', 'emission': 1}}}",
+    "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'array': 'a'}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p'}}}}",
+    "{'meshes': {'m': {'arrays': {'triangles': 't'}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't', 'colours': 'c'}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': '', 'triangles': 't'}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 1, 'triangles': 't'}}}}",
+    "{'meshes': {'m': {'arrays': ['p', 't']}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}, 'shape': 'cube'}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}, 'file': 'a.ply'}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}, 'lights': true}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}, 'variant': 'a'}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}, 'materials': {'a': 'b'}}}}",
+    "{'meshes': {'m': {'arrays': {'positions': 'p', 'triangles': 't'}, 'animation': {}}}}",
     "{'volumes': {'v': {'array': 'a', 'grid': 'density'}}}",
     "{'volumes': {'v': {'array': 'a', 'albedo': {'grid': 'Cd'}}}}",
     "{'volumes': {'v': {'shape': 'box', 'spacing': 1}}}",
@@ -327,6 +352,9 @@ static const char *const wrong[] = {
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'scale': -1}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'colour': [1, 2]}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'kelvin': 2e6}}}}",
+    /* former names next to current ones */
+    "{'fps': 24, 'rate': 24}",
+    "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'kelvin': 1, 'temperature_scale': 1}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'temperature': 1}}}}",
     "{'volumes': {'v': {'shape': 'box', 'emission': {}}}}",
     "{'volumes': {'v': {'shape': 'box', 'emission': -1}}}",
@@ -393,6 +421,8 @@ static const char *const wrong[] = {
     "{'film': {'tonemap': 'linear'}}",
     "{'film': {'exposure': 33}}",
     "{'camera': {'view_blur': 8.5}}",
+    "{'camera': {'depthiness': 2.5}}",
+    "{'camera': {'depthiness': -1}}",
     "{'render': {'max_depth': 1.5}}",
     "{'render': {'depth': 1}}",
     "{'camera': {'fov_y': {'keys': []}}}",

@@ -122,7 +122,7 @@ static void units_that_nobody_knows_are_refused(void **state)
         "{\"volumes\": {\"v\": {\"shape\": \"box\", \"units\": \"in\"}}}",
     };
     static const char *const words[] = {"expected one of mm, cm, m, km, in, ft", "string",
-                                        "only a mesh from a file has units", "unknown key"};
+                                        "a shape has no units", "unknown key"};
     for (int i = 0; i < 4; i++) {
         lf_scene *scene = NULL;
         lf_error err;

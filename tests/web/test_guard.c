@@ -58,6 +58,65 @@ static void the_host_comes_first(void **state)
     assert_int_equal(check(&r), 421);
 }
 
+static void a_public_name_is_reached_by_https_alone(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *host, *origin;
+        int status;
+    } cases[] = {
+        {"panel.local", NULL, 0},
+        {"panel.local", "https://panel.local", 0},
+        {"127.0.0.1:8033", "http://127.0.0.1:8033", 0},
+        {"panel.local", "http://panel.local", 403},
+        {"panel.local", "https://evil.test", 403},
+        {"127.0.0.1:8033", "https://panel.local", 403},
+        {"127.0.0.1:8033", "https://127.0.0.1:8033", 403},
+        {"panel.local:8033", NULL, 421},
+        {"evil.panel.local", NULL, 421},
+        {"", NULL, 421},
+    };
+    lf_error err = {0};
+    lf_guard guard;
+    const char *why = NULL;
+    lf_assert_ok(lf_guard_init(&guard, PORT, &err), &err);
+    lf_guard_request r = good();
+    r.host = "panel.local";
+    assert_int_equal(lf_guard_check(&guard, &r, &why), 421);
+    lf_assert_ok(lf_guard_set_public(&guard, "https://panel.local:443", &err), &err);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        r.host = cases[i].host;
+        r.origin = cases[i].origin;
+        r.origins = r.origin ? 1 : 0;
+        assert_int_equal(lf_guard_check(&guard, &r, &why), cases[i].status);
+        assert_int_equal(lf_guard_is_public(&guard, &r), strcmp(r.host, "panel.local") == 0);
+    }
+}
+
+static void a_public_origin_is_https_and_a_name(void **state)
+{
+    (void)state;
+    static const char *const good_ones[] = {"https://a", "https://panel.home.arpa:8443"};
+    static const char *const bad[] = {"panel.local",
+                                      "http://panel.local",
+                                      "https://",
+                                      "https://panel.local/",
+                                      "https://Panel.local",
+                                      "https://a:0",
+                                      "https://a:65536",
+                                      "https://a:",
+                                      "https://a b",
+                                      ""};
+    lf_guard guard = {0};
+    lf_error err = {0};
+    for (size_t i = 0; i < sizeof good_ones / sizeof good_ones[0]; i++) {
+        lf_assert_ok(lf_guard_set_public(&guard, good_ones[i], &err), &err);
+        assert_string_equal(guard.public_origin, good_ones[i]);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        assert_int_equal(lf_guard_set_public(&guard, bad[i], &err), LF_E_ARG);
+}
+
 static void an_origin_is_ours_by_the_same_name(void **state)
 {
     (void)state;
@@ -250,6 +309,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_host_of_ours_is_needed),
         cmocka_unit_test(the_host_comes_first),
+        cmocka_unit_test(a_public_name_is_reached_by_https_alone),
+        cmocka_unit_test(a_public_origin_is_https_and_a_name),
         cmocka_unit_test(an_origin_is_ours_by_the_same_name),
         cmocka_unit_test(what_two_readers_understand_differently_is_refused),
         cmocka_unit_test(a_body_is_refused),

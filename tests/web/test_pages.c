@@ -28,7 +28,7 @@ static void nothing_comes_from_elsewhere(void **state)
 {
     (void)state;
     static const char *const others[] = {
-        "https:",    "//cdn",   "src=\"//", "url(",        "@import", "eval(",
+        "https://",  "//cdn",   "src=\"//", "url(",        "@import", "eval(",
         "innerHTML", " style=", "onclick=", "javascript:", "<style"};
     for (int i = 0; lf_page_at(i); i++) {
         const char *text = text_of(lf_page_at(i)), *name = lf_page_at(i)->path;

@@ -31,16 +31,15 @@ function fieldFor(key, schema) {
 export class ExportForm {
   #rpc;
   #fail;
-  #scene;
+  #status = {};
   #parameters = {};
   #fields = new Map();
   #jobs = new Map(); // number: {element, bar, text, cancel}
   element = make("div");
 
-  constructor({ rpc, scene, fail }) {
+  constructor({ rpc, fail }) {
     this.#rpc = rpc;
     this.#fail = fail;
-    this.#scene = scene;
     this.kind = select([], { id: "export-kind" });
     this.kind.addEventListener("change", () => this.#showKind());
     this.what = make("p", { class: "hint" });
@@ -91,6 +90,10 @@ export class ExportForm {
     return kinds.length > 0;
   }
 
+  status(status) {
+    this.#status = status;
+  }
+
   #showKind() {
     const kind = this.kind.value,
       { about, endings } = EXPORTS[kind];
@@ -122,7 +125,7 @@ export class ExportForm {
     const kind = this.kind.value;
     const params = {
       kind,
-      file: nameFor(this.#scene.file, this.ending.value),
+      file: nameFor(kind, this.#status, this.ending.value),
       wait: this.wait.value,
     };
     for (const [key, { field, schema, needed }] of this.#fields) {
@@ -139,7 +142,7 @@ export class ExportForm {
   #job(job, file = "") {
     if (!this.#jobs.has(job)) {
       const bar = make("progress", { max: "1", value: "0", "aria-label": `Progress of ${file}` });
-      const text = make("span", { class: "note" });
+      const text = make("span", { class: "note" }, "waits");
       const cancel = button("Cancel", () =>
         this.#rpc.call("job.cancel", { job }).catch(this.#fail),
       );

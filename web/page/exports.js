@@ -1,5 +1,7 @@
 // The kinds of export that the page offers, and which parameters each has.
 
+import { tidy } from "./numbers.js";
+
 const PHOTO = ["photo", "photo_position"];
 
 export const EXPORTS = {
@@ -70,15 +72,18 @@ export function parametersOf(kind, parameters) {
     .map((key) => [key, parameters[key], needed.includes(key)]);
 }
 
-/** The name of the file for the call, after the scene. */
-export function nameFor(scene, ending) {
+// What a name says of its content. Programs read the tiles of a quilt from its name.
+function suffixOf(kind, { columns, rows, aspect }) {
+  if (kind === "quilt" && columns) return `_qs${columns}x${rows}a${tidy(aspect, 6)}`;
+  return kind === "still" ? "" : `_${kind}`;
+}
+
+/** The name of the file for the call, after the scene. @param status result of the method status */
+export function nameFor(kind, status, ending) {
+  const name = (status.scene ?? "").split("/").pop();
   const base =
-    (scene ?? "")
-      .split("/")
-      .pop()
-      .replace(/\.\w+$/, "")
-      .replace(/[^\w.-]+/g, "_") || "image";
-  return `${base}.${ending}`;
+    name.replace(/(_qs\d+x\d+(a[\d.]+)?)?\.\w+$/, "").replace(/[^\w.-]+/g, "_") || "image";
+  return `${base}${suffixOf(kind, status)}.${ending}`;
 }
 
 /** The value that a text or switch of the form stands for; undefined: left out. */

@@ -102,10 +102,11 @@ function toggle({ label, commit }) {
 }
 
 // A text, or any other value as JSON.
-function text({ label, commit }, read, write) {
+function text({ label, list, commit }, read, write) {
   const input = make("input", {
     type: "text",
     class: "text",
+    list,
     "aria-label": label,
     autocomplete: "off",
     spellcheck: "false",
@@ -134,7 +135,8 @@ function text({ label, commit }, read, write) {
 /**
  * A field.
  * @param kind see fieldOf of schema.js
- * @param options {label, range, words, bounded, commit}; words of a choice; bounded: a colour within 0 to 1
+ * @param options {label, range, words, bounded, list, commit}; words of a choice; bounded: a colour
+ * within 0 to 1; list: id of a datalist for texts
  */
 export function makeField(kind, options, value) {
   if (kind === "number") return scrub(options);

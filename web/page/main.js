@@ -18,6 +18,7 @@ import { timeLeft } from "./words.js";
 const STATUS_MS = 1000;
 const rpc = new Rpc();
 const notices = { link: "", trouble: "", scene: "", card: "" };
+let dismissed = ""; // the words that a person has taken away
 
 // The token of the URL becomes a cookie, and leaves the address bar.
 async function exchangeToken() {
@@ -31,8 +32,23 @@ async function exchangeToken() {
 // Shows a notice of one kind in place of the one before; an empty text ends it.
 function notify(kind, text = "") {
   notices[kind] = text;
-  const words = [...new Set(Object.values(notices).filter(Boolean))].join(" ");
-  if (at("notice").textContent !== words) at("notice").textContent = words;
+  showNotices();
+}
+
+const wordsOfNotices = () => [...new Set(Object.values(notices).filter(Boolean))].join(" ");
+
+// What was dismissed stays away until other words come. Folders of uploads say nothing to a person.
+function showNotices() {
+  const words = wordsOfNotices();
+  if (words !== dismissed) dismissed = "";
+  const text = dismissed ? "" : words.replaceAll(/\/upload\/[0-9a-f]+\//g, "");
+  if (at("notice").textContent !== text) at("notice").textContent = text;
+  at("notices").hidden = text === "";
+}
+
+function dismiss() {
+  dismissed = wordsOfNotices();
+  showNotices();
 }
 
 // The error of a call; without one, the last call has succeeded.
@@ -123,6 +139,7 @@ class Page {
       at("undo").disabled = !this.scene.canUndo;
       at("redo").disabled = !this.scene.canRedo;
     });
+    at("dismiss").addEventListener("click", dismiss);
     addEventListener("keydown", (event) => this.#undoByKey(event));
   }
 
@@ -193,7 +210,7 @@ class Page {
     at("pause").setAttribute("aria-pressed", String(Boolean(status.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
     notify("scene", status.error?.message);
-    for (const part of [this.stage, this.picture, this.health]) part.status(status);
+    for (const part of [this.stage, this.picture, this.exports, this.health]) part.status(status);
   }
 }
 

@@ -6,7 +6,7 @@ export function tidy(x, digits = 5) {
 }
 
 export function format(x) {
-  return typeof x === "number" ? String(tidy(x, 6)) : "";
+  return typeof x === "number" ? String(tidy(x, 5)) : "";
 }
 
 /** A typed number, also with a comma; undefined if it is none. */

@@ -16,7 +16,8 @@ export class Rpc extends EventTarget {
   #wait = 250;
 
   connect() {
-    const socket = new WebSocket(`ws://${location.host}/rpc`);
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/rpc`);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.#socket = socket;

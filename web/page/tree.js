@@ -8,6 +8,7 @@ import * as schemas from "./schema.js";
 import { freshGroup } from "./scrub.js";
 
 const KIND_KEYS = ["type", "shape"]; // their words decide which other keys there are
+const MATERIALS = "materials"; // id of the list of their names
 const HIDDEN = ["$schema", "quiltd", "include"];
 
 /** A scene tree. @param open a Set of the paths of open branches, which it changes */
@@ -20,13 +21,25 @@ export class Tree {
   constructor(root, scene, open, opened) {
     Object.assign(this, { root, scene, open, opened });
     this.top = new Branch(this, [], root, true);
-    this.element = this.top.body;
+    this.names = make("datalist", { id: MATERIALS });
+    this.element = make("div", {}, this.top.body, this.names);
     scene.addEventListener("change", () => this.update());
     this.update();
   }
 
+  get materials() {
+    return Object.keys(this.scene.document?.materials ?? {});
+  }
+
   update() {
-    if (this.scene.document) this.top.update(this.scene.document);
+    if (!this.scene.document) return;
+    this.top.update(this.scene.document);
+    this.names.replaceChildren(...this.materials.map((value) => make("option", { value })));
+  }
+
+  /** A value for a new key; undefined: only a person knows one. */
+  sample(key, schema) {
+    return key === "material" ? this.materials[0] : schemas.sample(this.root, schema);
   }
 
   set(path, value, group) {
@@ -63,6 +76,7 @@ class Leaf {
       {
         label: name,
         range,
+        list: name === "material" ? MATERIALS : undefined,
         bounded: schemas.variants(tree.root, schema).some((one) => one.colour && one.maximum === 1),
         words: schemas.variants(tree.root, schema).flatMap((one) => one.enum ?? []),
         commit: (next, group) => tree.set(path, next, group),
@@ -229,9 +243,7 @@ class Branch {
       .propertiesOf(variant)
       .filter(
         ([key, schema]) =>
-          !(key in value) &&
-          !HIDDEN.includes(key) &&
-          schemas.sample(this.tree.root, schema) !== undefined,
+          !(key in value) && !HIDDEN.includes(key) && this.tree.sample(key, schema) !== undefined,
       )
       .map(([key]) => key);
     const words = missing.join() + "|" + Boolean(variant.additionalProperties);
@@ -258,7 +270,7 @@ class Branch {
         schema = this.#schemaOf(key, variant);
       list.value = "";
       this.#show(key);
-      this.tree.set([...this.path, key], schemas.sample(this.tree.root, schema), freshGroup());
+      this.tree.set([...this.path, key], this.tree.sample(key, schema), freshGroup());
     });
     return list;
   }

@@ -270,6 +270,15 @@ export interface Calls {
         /** share written, from 0 to 1 [share] */
         "progress"?: number;
       }[];
+      /** the slideshow; null: no entries */
+      "playlist"?: {
+        /** number of the current entry, from 0 [count] */
+        "index"?: number;
+        /** true: the entries are shown in turn */
+        "playing"?: boolean;
+        /** number of entries [count] */
+        "entries"?: number;
+      } | null;
       /** time since the daemon started [seconds] */
       "uptime"?: number;
       /** longest CPU time of the event thread for one event [seconds] */
@@ -343,11 +352,38 @@ export interface Calls {
       "patch": { [key: string]: unknown };
       /** absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, read-only); quiltctl fills this in */
       "files"?: string[];
+      /** arrays of the scene by name, each {shape, type}; their descriptors follow those of files */
+      "arrays"?: { [key: string]: unknown };
     };
     result: {
       /** generation of the scene on display [count] */
       "generation"?: number;
       /** features of its files that the image lacks */
+      "warnings"?: string[];
+    };
+  };
+  /** show a quilt that comes by a passed descriptor, as raw pixels or an image file */
+  "quilt.show": {
+    params: {
+      /** columns of tiles; they divide the width [count] */
+      "columns": number;
+      /** rows of tiles; they divide the height [count] */
+      "rows": number;
+      /** number of views (columns x rows) [count] */
+      "views"?: number;
+      /** aspect of a view (a tile's) [width / height] */
+      "aspect"?: number;
+      /** width of the whole quilt in raw pixels; without it the descriptor is an image file [pixels] */
+      "width"?: number;
+      /** its height [pixels] */
+      "height"?: number;
+      /** name in messages, at most 128 bytes without / (quilt) */
+      "name"?: string;
+    };
+    result: {
+      /** generation of the quilt on display [count] */
+      "generation"?: number;
+      /** features of its file that the image lacks */
       "warnings"?: string[];
     };
   };
@@ -480,6 +516,133 @@ export interface Calls {
       "loop"?: boolean;
     };
   };
+  /** replace the entries of the slideshow */
+  "playlist.set": {
+    params: {
+      /** what to show, in this order: each {file, seconds}; an empty list stops */
+      "entries": {
+        /** absolute path of a scene, model, volume or image */
+        "file": string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds": number;
+      }[];
+      /** start again after the last entry */
+      "loop"?: boolean;
+    };
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** canonical path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds"?: number;
+      }[];
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+    };
+  };
+  /** return the slideshow */
+  "playlist.get": {
+    params: {};
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** canonical path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds"?: number;
+      }[];
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+    };
+  };
+  /** start the slideshow, or go to an entry */
+  "playlist.play": {
+    params: {
+      /** entry to begin with, from 0 (where it stopped; after its end the first) [count] */
+      "index"?: number;
+    };
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** canonical path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds"?: number;
+      }[];
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+    };
+  };
+  /** stop the slideshow at the current entry */
+  "playlist.stop": {
+    params: {};
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** canonical path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds"?: number;
+      }[];
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+    };
+  };
+  /** show the next entry of the slideshow */
+  "playlist.next": {
+    params: {};
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** canonical path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds"?: number;
+      }[];
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+    };
+  };
+  /** show the previous entry of the slideshow */
+  "playlist.previous": {
+    params: {};
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** canonical path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown [seconds] */
+        "seconds"?: number;
+      }[];
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+    };
+  };
   /** wait until the panel shows the image */
   "wait": {
     params: {
@@ -556,6 +719,51 @@ export interface Calls {
       /** width of one view [pixels] */
       "width"?: number;
       /** height of one view [pixels] */
+      "height"?: number;
+      /** size of the written file [bytes] */
+      "bytes"?: number;
+    };
+  };
+  /** list a readable folder: scenes, models, volumes, images and folders */
+  "library.list": {
+    params: {
+      /** folder to list (the folders that quiltd may read) */
+      "folder"?: string;
+    };
+    result: {
+      /** folder that is listed; null: none */
+      "folder"?: string | null;
+      /** folders that may be read by name */
+      "folders"?: string[];
+      /** what is in the folder, folders first */
+      "entries"?: {
+        /** name without the folder */
+        "name"?: string;
+        /** absolute path, for scene.load */
+        "path"?: string;
+        /** folder, scene, model, volume, environment, quilt or image */
+        "kind"?: string;
+        /** size of the file; 0: a folder [bytes] */
+        "bytes"?: number;
+        /** time of the last change since 1970 (UTC) [seconds] */
+        "modified"?: number;
+      }[];
+      /** true: further entries are left out */
+      "more"?: boolean;
+    };
+  };
+  /** write a small JPEG of an image file to a passed descriptor */
+  "library.thumbnail": {
+    params: {
+      /** image or quilt; of a quilt the middle view */
+      "file": string;
+      /** width of the JPEG, at most that of the image; the height follows [pixels] */
+      "width"?: number;
+    };
+    result: {
+      /** width of the JPEG [pixels] */
+      "width"?: number;
+      /** height of the JPEG [pixels] */
       "height"?: number;
       /** size of the written file [bytes] */
       "bytes"?: number;
@@ -846,7 +1054,7 @@ export interface Calls {
   "subscribe": {
     params: {
       /** events to send; an empty list: none, except the progress of your own exports */
-      "events": ("frame" | "converged" | "device" | "scene" | "export" | "button" | "log")[];
+      "events": ("frame" | "converged" | "device" | "scene" | "export" | "button" | "log" | "playlist")[];
     };
     result: {
       /** events that this client now receives */
@@ -973,6 +1181,22 @@ export interface Notifications {
     /** text of the line, at most 1023 bytes */
     "text"?: string;
   };
+  /** the slideshow started, stopped, changed or shows another entry */
+  "playlist": {
+    /** what is shown, in this order */
+    "entries"?: {
+      /** canonical path of the file */
+      "file"?: string;
+      /** time from the first frame that is shown [seconds] */
+      "seconds"?: number;
+    }[];
+    /** number of the current entry, from 0 [count] */
+    "index"?: number;
+    /** true: the entries are shown in turn */
+    "playing"?: boolean;
+    /** true: starts again after the last entry */
+    "loop"?: boolean;
+  };
   /** a button on the panel was pressed */
   "button": {
     /** square, left, right or circle */
@@ -983,4 +1207,4 @@ export interface Notifications {
 }
 
 /** A word of subscribe. */
-export type EventWord = "frame" | "converged" | "device" | "scene" | "export" | "log" | "button";
+export type EventWord = "frame" | "converged" | "device" | "scene" | "export" | "log" | "playlist" | "button";

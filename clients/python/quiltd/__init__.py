@@ -6,7 +6,8 @@
         q.wait("complete", timeout=60)
         open("quilt.png", "wb").write(q.export("quilt"))
 
-quiltd.show(array) puts a volume on the panel, quiltd.show_quilt(array, columns, rows) a quilt.
+quiltd.show(array) puts a volume on the panel, quiltd.show(mesh=(positions, triangles)) a mesh, and
+quiltd.show_quilt(array, columns, rows) a quilt.
 """
 
 from typing import Any, Callable, Optional
@@ -66,9 +67,9 @@ def _connected(show: Callable[[Quiltd], Any]) -> Quiltd:
     return client
 
 
-def show(array: Any, spacing: Any = 1.0, scale: Optional[float] = None, **volume: Any) -> Quiltd:
-    """Connects, and shows an array of (z, y, x) as a volume: see Quiltd.show. Returns the client."""
-    return _connected(lambda client: client.show(array, spacing, scale, **volume))
+def show(array: Any = None, spacing: Any = 1.0, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any) -> Quiltd:
+    """Connects, and shows an array of (z, y, x) as a volume, or a mesh: see Quiltd.show. Returns the client."""
+    return _connected(lambda client: client.show(array, spacing, scale, mesh=mesh, **keys))
 
 
 def show_quilt(array: Any, columns: int, rows: int, aspect: Optional[float] = None) -> Quiltd:

@@ -6,7 +6,8 @@ import time
 import weakref
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Union
 
-from . import arrays, panel
+from . import arrays as memory
+from . import panel
 from .errors import Cancelled, MethodNotFound, NotSupported, ParameterError, QuiltdError, TimedOut, error_of
 from .methods import Group, attributes
 from .schema import check
@@ -25,27 +26,46 @@ class Scene(Group):
         self._methods = group._methods
         self._client = client
 
-    def __call__(self, scene: Union[Dict[str, Any], PathOrName], files: Iterable[PathOrName] = (), **parameters: Any) -> Dict[str, Any]:
+    def __call__(
+        self,
+        scene: Union[Dict[str, Any], PathOrName],
+        files: Iterable[PathOrName] = (),
+        arrays: Optional[Dict[str, Any]] = None,
+        **parameters: Any,
+    ) -> Dict[str, Any]:
         """Shows a scene document, or a file: a scene, a model, a volume, a quilt or a folder of views.
 
         files: what the scene names outside of the folders that quiltd may read (`hello` lists them); passed with your rights.
+        arrays: the arrays that its volumes and meshes name. Whole numbers in two axes are sent as uint32, others as float32.
         parameters: as of scene.load, for example yaw=30 or quilt="8x6".
         Returns the generation and the warnings. Paths in a document are absolute.
         """
         names = [os.path.abspath(os.fspath(name)) for name in files]
+        parcels = _parcels(arrays)
         if not isinstance(scene, dict):
             path = os.path.abspath(os.fspath(scene)) + ("/" if os.fspath(scene).endswith("/") else "")
-            return self._client._load({"file": path, **parameters}, [path, *names])
+            return self._client._load("scene.load", {"file": path, **parameters}, [path, *names], parcels=parcels)
         if not self._client.takes("scene.load", "scene"):
             raise NotSupported("scene: scene.load of this quiltd takes no documents; save it and load it by scene(path)")
         text = encode(scene)
         if len(text) < LONGEST_LINE // 2:
-            return self._client._load({"scene": scene, **parameters}, names)
-        document = arrays.sealed(text.encode())
+            return self._client._load("scene.load", {"scene": scene, **parameters}, names, parcels=parcels)
+        document = memory.sealed(text.encode())
         try:
-            return self._client._load({"scene_fd": True, **parameters}, names, [document])
+            return self._client._load("scene.load", {"scene_fd": True, **parameters}, names, [document], parcels)
         finally:
             os.close(document)
+
+    def patch(
+        self, patch: Dict[str, Any], files: Iterable[PathOrName] = (), arrays: Optional[Dict[str, Any]] = None
+    ) -> Dict[str, Any]:
+        """Changes the scene that is shown: keys with their new values, where None removes a key. files, arrays: as of a scene."""
+        names = [os.path.abspath(os.fspath(name)) for name in files]
+        return self._client._load("scene.patch", {"patch": patch}, names, parcels=_parcels(arrays))
+
+
+def _parcels(arrays: Optional[Dict[str, Any]]) -> Dict[str, memory.Parcel]:
+    return {name: memory.parcel_by_type(values, name) for name, values in (arrays or {}).items()}
 
 
 class Events(Iterator[Event]):
@@ -168,14 +188,14 @@ class Quiltd:
         """
         end = None if timeout is None else time.monotonic() + timeout
         count = {"views": self._views, "pictures": self._views, "print": lambda: 2, "chart": lambda: 2}.get(kind, lambda: 1)()
-        files = arrays.empty_files(count)
+        files = memory.empty_files(count)
         try:
             inbox = self._connection.listen("export".__eq__)
             params = {"kind": kind, "file": kind + _ENDINGS.get(kind, ".png"), **parameters, "fds": count}
             self._finish(self.call("export", params, files, timeout)["job"], inbox, end)
-            results = [arrays.contents(file) for file in files]
+            results = [memory.contents(file) for file in files]
         finally:
-            arrays.close_all(files)
+            memory.close_all(files)
         return results[0] if kind not in ("views", "pictures", "print", "chart") else results
 
     def preview(self, width: Optional[int] = 210, views: Optional[int] = None, quality: Optional[int] = None) -> Preview:
@@ -188,10 +208,10 @@ class Quiltd:
         if width is not None:
             width = min(width, self.call("status").get("view_width", width))
         params = {"format": "jpeg", "width": width, "views": views, "quality": quality}
-        (file,) = arrays.empty_files(1)
+        (file,) = memory.empty_files(1)
         try:
             info = self.call("frame.get", {name: value for name, value in params.items() if value is not None}, [file])
-            return Preview(arrays.contents(file), info)
+            return Preview(memory.contents(file), info)
         finally:
             os.close(file)
 
@@ -199,13 +219,24 @@ class Quiltd:
         """For Jupyter: the image that is shown now. The pointer, a finger or the arrow keys turn it through its views."""
         return Widget(self.preview(width, views, quality), width)
 
-    def show(self, array: Any, spacing: Any = 1.0, scale: Optional[float] = None, **volume: Any) -> Dict[str, Any]:
-        """Shows an array of (z, y, x) as a volume, in daylight. Values are not negative; float32 is sent as it is.
+    def show(
+        self, array: Any = None, spacing: Any = 1.0, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any
+    ) -> Dict[str, Any]:
+        """Shows an array of (z, y, x) as a volume, or a mesh, in daylight.
 
-        spacing: size of a voxel, a number or (z, y, x). scale: extinction per unit of length = scale times the value; None:
-        the densest voxels make the volume opaque. volume: more keys of a scene's volume, such as albedo=[1, 0.6, 0.4].
+        A volume has values that are not negative; float32 is sent as it is. spacing: size of a voxel, a number or (z, y, x).
+        scale: extinction per unit of length = scale times the value; None: the densest voxels make the volume opaque.
+        keys: more keys of a scene's volume, such as albedo=[1, 0.6, 0.4]; emission may be an array of the same shape, or an
+        object with one: emission={"array": heat, "scale": 20, "colour": [1, 0.5, 0.2]}.
+
+        mesh=(positions, triangles): positions of shape (n, 3), and for each triangle three of their rows; then, if there are
+        any, normals (n, 3) and uvs (n, 2). keys: more keys of a scene's mesh; material may be an object: {"albedo": [1, 0, 0]}.
         """
-        return panel.show_volume(self, array, spacing, scale, volume)
+        if (array is None) == (mesh is None):
+            raise ParameterError("show: expected an array of (z, y, x), or mesh=(positions, triangles)")
+        if mesh is not None:
+            return panel.show_mesh(self, mesh, keys)
+        return panel.show_volume(self, array, spacing, scale, keys)
 
     def show_quilt(self, array: Any, columns: int, rows: int, aspect: Optional[float] = None) -> Dict[str, Any]:
         """Shows an array of (height, width, 3) bytes as a quilt, rows from the top; view 0 is at the bottom left.
@@ -242,18 +273,30 @@ class Quiltd:
         except QuiltdError:  # it ended meanwhile
             pass
 
-    def _load(self, params: Dict[str, Any], names: List[str], documents: Sequence[int] = ()) -> Dict[str, Any]:
-        """scene.load; of these files it passes those that quiltd may not open itself."""
+    def _load(
+        self,
+        method: str,
+        params: Dict[str, Any],
+        names: Sequence[str] = (),
+        documents: Sequence[int] = (),
+        parcels: Optional[Dict[str, memory.Parcel]] = None,
+    ) -> Dict[str, Any]:
+        """scene.load or scene.patch with arrays; of these files it passes those that quiltd may not open itself."""
         passed: Dict[str, int] = {}
+        sent: List[int] = []
         try:
             for name in names:
                 if name not in passed and os.path.isfile(name) and not self._may_read(name):
                     passed[name] = os.open(name, os.O_RDONLY | os.O_CLOEXEC)
             if passed:
                 params = {**params, "files": list(passed)}
-            return self.call("scene.load", params, [*documents, *passed.values()])
+            if parcels:
+                params = {**params, "arrays": {name: {"shape": list(p.shape), "type": p.kind} for name, p in parcels.items()}}
+            for parcel in (parcels or {}).values():
+                sent.append(memory.sealed(parcel.values))
+            return self.call(method, params, [*documents, *passed.values(), *sent])
         finally:
-            arrays.close_all(list(passed.values()))
+            memory.close_all([*passed.values(), *sent])
 
     def _may_read(self, name: str) -> bool:
         return any(name.startswith(folder.rstrip("/") + "/") for folder in self.info["folders"])

@@ -1,7 +1,6 @@
 """Arrays on the panel."""
 
-import os
-from typing import TYPE_CHECKING, Any, Dict, Optional
+from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 
 from . import arrays
 from .errors import NotSupported, ParameterError
@@ -10,42 +9,64 @@ if TYPE_CHECKING:
     from .client import Quiltd
 
 OPTICAL_DEPTH = 8.0  # of a volume full of its densest value, seen through its mean side
+MESH_ARRAYS = ("positions", "triangles", "normals", "uvs")
 
 
-def volume_scene(volume: Dict[str, Any]) -> Dict[str, Any]:
-    """A volume in the daylight that files without a scene have, framed."""
+def daylight(**objects: Any) -> Dict[str, Any]:
+    """A scene of these objects in the daylight that files without a scene have, framed."""
     return {
         "quiltd": 1,
         "camera": {"fit": True, "cone": 35},
-        "volumes": {"array": volume},
         "lights": {
             "sky": {"type": "environment", "radiance": [0.25, 0.33, 0.45], "visible": False},
             "sun": {"type": "distant", "direction": [0.6, -1, -0.5], "irradiance": [4, 3.7, 3.3], "angle": 0.5},
         },
         "backdrop": [0.08, 0.1, 0.14],
+        **objects,
     }
+
+
+def opaque_scale(parcel: arrays.Parcel, sides: Tuple[float, float, float]) -> float:
+    """The scale by which the densest voxels make the volume opaque."""
+    largest = parcel.largest()
+    if not largest > 0:
+        raise ParameterError("show: no value of the array is above 0")
+    return OPTICAL_DEPTH * 3 / (largest * sum(side * count for side, count in zip(sides, parcel.shape)))
 
 
 def show_volume(client: "Quiltd", array: Any, spacing: Any, scale: Optional[float], volume: Dict[str, Any]) -> Dict[str, Any]:
     if not client.takes("scene.load", "arrays"):
         raise NotSupported("show: scene.load of this quiltd has no arrays; write an OpenVDB file and load it by scene(path)")
-    array = arrays.as_float32(array)
-    view = arrays.view_of(array, 3, "show")
     sides = arrays.three(spacing, "spacing")
-    floats = arrays.floats_of(view)
+    parcels = {"array": arrays.parcel_of(array, "float32", 3, "show")}
+    emission = volume.get("emission")
+    if emission is not None and not isinstance(emission, dict):
+        emission = {"array": emission}
+    if emission is not None and not isinstance(emission.get("array", ""), str):
+        parcels["emission"] = arrays.parcel_of(emission["array"], "float32", 3, "emission")
+        emission = {**emission, "array": "emission"}
     if scale is None:
-        largest = arrays.largest_of(array, floats)
-        if not largest > 0:
-            raise ParameterError("show: no value of the array is above 0")
-        extent = sum(side * count for side, count in zip(sides, view.shape or ())) / 3
-        scale = OPTICAL_DEPTH / (largest * extent)
-    scene = volume_scene({"array": "array", "spacing": list(reversed(sides)), "scale": scale, **volume})
-    parcel = {"array": {"shape": list(view.shape or ()), "type": "float32"}}
-    file = arrays.sealed(floats)
-    try:
-        return client.call("scene.load", {"scene": scene, "arrays": parcel}, [file])
-    finally:
-        os.close(file)
+        scale = opaque_scale(parcels["array"], sides)
+    keys = {**volume, **({} if emission is None else {"emission": emission})}
+    scene = daylight(volumes={"array": {"array": "array", "spacing": list(reversed(sides)), "scale": scale, **keys}})
+    return client._load("scene.load", {"scene": scene}, parcels=parcels)
+
+
+def show_mesh(client: "Quiltd", mesh: Any, keys: Dict[str, Any]) -> Dict[str, Any]:
+    if not client.takes("scene.patch", "arrays"):
+        raise NotSupported("show: this quiltd has no arrays for meshes; write a PLY file and load it by scene(path)")
+    if not isinstance(mesh, (tuple, list)) or not 2 <= len(mesh) <= len(MESH_ARRAYS):
+        raise ParameterError("show: mesh is (positions, triangles), and normals and uvs if there are any")
+    parcels = {}
+    for name, values in zip(MESH_ARRAYS, mesh):
+        if values is not None:
+            kind, columns = "uint32" if name == "triangles" else "float32", 2 if name == "uvs" else 3
+            parcels[name] = arrays.parcel_of(values, kind, 2, name, columns)
+    material = keys.get("material")
+    named = {"materials": {"mesh": material}} if isinstance(material, dict) else {}
+    more = {**keys, "material": "mesh"} if named else keys
+    scene = daylight(meshes={"mesh": {"arrays": {name: name for name in parcels}, **more}}, **named)
+    return client._load("scene.load", {"scene": scene}, parcels=parcels)
 
 
 def show_quilt(client: "Quiltd", array: Any, columns: int, rows: int, aspect: Optional[float]) -> Dict[str, Any]:
@@ -57,9 +78,9 @@ def show_quilt(client: "Quiltd", array: Any, columns: int, rows: int, aspect: Op
         raise ParameterError(f"show_quilt: expected (height, width, 3) of uint8, not {view.shape} of type {view.format}")
     if width % columns or height % rows:
         raise ParameterError(f"show_quilt: {width} x {height} pixels are not {columns} x {rows} tiles of one size")
-    params = {"columns": columns, "rows": rows, "format": "raw", "width": width, "height": height}
+    params = {"columns": columns, "rows": rows, "width": width, "height": height}
     file = arrays.sealed(view.tobytes())
     try:
         return client.call("quilt.show", {**params, **({} if aspect is None else {"aspect": aspect})}, [file])
     finally:
-        os.close(file)
+        arrays.close_all([file])

@@ -27,8 +27,9 @@ METHODS = {
         "scene_fd": {"type": "boolean"},
         "arrays": {"type": "object"},
     },
+    "scene.patch": {"patch": {"type": "object"}, "files": {"type": "array", "items": TEXT}, "arrays": {"type": "object"}},
     "frame.get": {"format": TEXT, "width": COUNT, "views": COUNT, "quality": COUNT},
-    "quilt.show": {"columns": COUNT, "rows": COUNT, "aspect": NUMBER, "format": TEXT, "width": COUNT, "height": COUNT},
+    "quilt.show": {"columns": COUNT, "rows": COUNT, "aspect": NUMBER, "width": COUNT, "height": COUNT},
     "export": {"kind": TEXT, "file": TEXT, "wait": TEXT, "fds": {"type": "integer"}},
     "job.cancel": {"job": {"type": "integer"}},
 }
@@ -138,3 +139,8 @@ class FakeCase(unittest.TestCase):
 def floats(shape, values):
     """A float32 array as numpy would export it."""
     return memoryview(array.array("f", values)).cast("B").cast("f", shape)
+
+
+def whole(shape, values, code="q"):
+    """The same of whole numbers."""
+    return memoryview(array.array(code, values)).cast("B").cast(code, shape)

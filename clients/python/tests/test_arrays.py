@@ -11,7 +11,7 @@ import unittest
 from unittest import mock
 
 import quiltd
-from fake import FakeCase, floats
+from fake import FakeCase, floats, whole
 from quiltd import arrays
 
 
@@ -25,7 +25,7 @@ class Interface:
 
 class Views(unittest.TestCase):
     def floats(self, values):
-        return list(arrays.floats_of(arrays.view_of(values, 3, "show")))
+        return list(arrays.values_of(arrays.view_of(values, 3, "show")))
 
     def test_every_type_becomes_float32(self):
         for code in "fdBbHhIiLlQq":
@@ -37,9 +37,22 @@ class Views(unittest.TestCase):
 
     def test_float32_is_not_copied(self):
         values = floats((1, 1, 2), [1, 2])
-        copy = arrays.floats_of(arrays.view_of(values, 3, "show"))
+        copy = arrays.values_of(arrays.view_of(values, 3, "show"))
         values[0, 0, 0] = 5
         self.assertEqual(copy[0], 5)
+
+    def test_whole_numbers_become_uint32(self):
+        for code in "bBhHiIlLqQ":
+            view = arrays.view_of(whole((2, 3), range(6), code), 2, "triangles")
+            self.assertEqual(list(arrays.values_of(view, "uint32")), [0, 1, 2, 3, 4, 5], code)
+        for wrong in (whole((1, 3), [0, 1, -1]), whole((1, 3), [0, 1, 1 << 32]), floats((1, 3), [0, 1, 2])):
+            with self.assertRaisesRegex(quiltd.ParameterError, "triangles: expected whole numbers"):
+                arrays.parcel_of(wrong, "uint32", 2, "triangles", 3)
+
+    def test_the_type_of_an_array_follows_from_its_values(self):
+        for values, kind in ((whole((2, 3), range(6)), "uint32"), (floats((2, 3), range(6)), "float32"), (whole((1, 2, 3), range(6)), "float32")):
+            parcel = arrays.parcel_by_type(values, "a")
+            self.assertEqual((parcel.kind, parcel.shape, list(parcel.values)), (kind, values.shape, [0, 1, 2, 3, 4, 5]))
 
     def test_the_array_interface_is_read(self):
         self.assertEqual(self.floats(Interface(struct.pack("<2f", 3, 4), (1, 1, 2))), [3, 4])
@@ -84,7 +97,7 @@ class Shown(FakeCase):
                 self.bytes.append(arrays.contents(file))
             return {"generation": 2, "warnings": []}
 
-        self.fake.answers.update({"scene.load": load, "quilt.show": load})
+        self.fake.answers.update({"scene.load": load, "scene.patch": load, "quilt.show": load})
 
     def test_a_volume_is_sent_with_its_shape(self):
         values = [float(i) for i in range(24)]
@@ -106,6 +119,43 @@ class Shown(FakeCase):
             self.q.show(floats((1, 1, 2), [0, 0]))
         self.assertEqual(self.sent("scene.load"), [])
 
+    def test_a_mesh_is_sent_with_its_shapes(self):
+        points, faces, uvs = floats((3, 3), range(9)), whole((1, 3), [0, 1, 2]), floats((3, 2), range(6))
+        self.q.show(mesh=(points, faces, None, uvs), material={"albedo": 0.2}, normals="smooth")
+        (params,) = self.sent("scene.load")
+        names = {"positions": "positions", "triangles": "triangles", "uvs": "uvs"}
+        self.assertEqual(params["scene"]["meshes"], {"mesh": {"arrays": names, "material": "mesh", "normals": "smooth"}})
+        self.assertEqual(params["scene"]["materials"], {"mesh": {"albedo": 0.2}})
+        shapes = [(name, array["shape"], array["type"]) for name, array in params["arrays"].items()]
+        self.assertEqual(shapes, [("positions", [3, 3], "float32"), ("triangles", [1, 3], "uint32"), ("uvs", [3, 2], "float32")])
+        self.assertEqual(self.bytes, [struct.pack("9f", *range(9)), struct.pack("3I", 0, 1, 2), struct.pack("6f", *range(6))])
+
+    def test_other_meshes_are_refused(self):
+        points, faces = floats((3, 3), range(9)), whole((1, 3), [0, 1, 2])
+        for mesh in ((points,), points, (points, points), (floats((3, 2), range(6)), faces), (points, whole((1, 4), range(4))), (points, faces, None, points)):
+            with self.subTest(mesh), self.assertRaises(quiltd.ParameterError):
+                self.q.show(mesh=mesh)
+        for arguments in ({}, {"array": floats((1, 1, 1), [1]), "mesh": (points, faces)}):
+            with self.subTest(arguments), self.assertRaises(quiltd.ParameterError):
+                self.q.show(**arguments)
+        self.assertEqual(self.sent("scene.load"), [])
+
+    def test_emission_is_an_array_or_has_one(self):
+        ones, heat = floats((1, 1, 1), [1]), floats((1, 1, 1), [7])
+        for emission, sent in ((heat, {"array": "emission"}), ({"array": heat, "scale": 2}, {"array": "emission", "scale": 2}), ({"scale": 3}, {"scale": 3})):
+            self.q.show(ones, emission=emission)
+            self.assertEqual(self.sent("scene.load")[-1]["scene"]["volumes"]["array"]["emission"], sent)
+        self.assertEqual(self.bytes, [struct.pack("f", x) for x in (1, 7, 1, 7, 1)])
+
+    def test_a_patch_has_arrays(self):
+        patch = {"volumes": {"a": {"array": "b"}}}
+        self.q.scene.patch(patch, arrays={"b": floats((1, 1, 2), [1, 2]), "t": whole((1, 3), [0, 1, 2])})
+        arrays = {"b": {"shape": [1, 1, 2], "type": "float32"}, "t": {"shape": [1, 3], "type": "uint32"}}
+        self.assertEqual(self.sent("scene.patch"), [{"patch": patch, "arrays": arrays}])
+        self.assertEqual(self.bytes, [struct.pack("2f", 1, 2), struct.pack("3I", 0, 1, 2)])
+        self.q.scene.patch(patch)
+        self.assertEqual(self.sent("scene.patch")[-1], {"patch": patch})
+
     def test_arrays_convert_themselves(self):
         class Array:
             dtype = type("dtype", (), {"kind": "f"})
@@ -123,7 +173,7 @@ class Shown(FakeCase):
     def test_a_quilt_is_sent_row_by_row(self):
         picture = bytes(range(36))
         self.q.show_quilt(memoryview(picture).cast("B", (2, 6, 3)), 3, 2, aspect=0.75)
-        params = {"columns": 3, "rows": 2, "format": "raw", "width": 6, "height": 2, "aspect": 0.75}
+        params = {"columns": 3, "rows": 2, "width": 6, "height": 2, "aspect": 0.75}
         self.assertEqual(self.sent("quilt.show"), [params])
         self.assertEqual(self.bytes, [picture])
 
@@ -177,9 +227,11 @@ class Older(FakeCase):
     def test_what_quiltd_lacks_is_said(self):
         properties = self.q.info["methods"]["scene.load"]["params"]["properties"]
         del properties["scene"], properties["arrays"]
+        del self.q.info["methods"]["scene.patch"]["params"]["properties"]["arrays"]
         for call in (
             lambda: self.q.scene({"quiltd": 1}),
             lambda: self.q.show(floats((1, 1, 1), [1])),
+            lambda: self.q.show(mesh=(floats((3, 3), range(9)), whole((1, 3), [0, 1, 2]))),
             lambda: self.q.show_quilt(memoryview(bytes(6)).cast("B", (1, 2, 3)), 2, 1),
             self.q.preview,
             self.q.widget,

@@ -14,12 +14,13 @@ import time
 import unittest
 
 import quiltd
-from fake import floats
-from quiltd.panel import volume_scene
+from fake import floats, whole
+from quiltd.panel import daylight
 
 BUILD = os.environ.get("QUILTD_BUILD", "")
 HERE = pathlib.Path(__file__).resolve().parent
 VIEWS, WIDTH, HEIGHT = 6, 24, 32
+CORNERS, FACES = [0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3], [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]  # a tetrahedron
 SCENE = {
     "quiltd": 1,
     "camera": {"views": VIEWS, "cone": 30},
@@ -233,9 +234,45 @@ class FromMemory(Case):
                 self.q.show(floats((1, 1, 2), [1, value]), scale=1)
         self.assertEqual(self.q.scene.get()["scene"]["camera"], SCENE["camera"])
 
+    def test_a_volume_glows(self):
+        self.need("scene.patch", "arrays")
+        ones, heat = floats((2, 2, 2), [1] * 8), floats((2, 2, 2), range(8))
+        self.q.show(ones, emission=heat)
+        self.q.show(ones, emission={"array": heat, "scale": 20, "temperature_scale": 300})
+        emission = self.q.scene.get()["scene"]["volumes"]["array"]["emission"]
+        self.assertEqual(emission, {"array": "emission", "scale": 20, "temperature_scale": 300})
+        with self.assertRaisesRegex(quiltd.BadScene, "expected float32 values of shape"):
+            self.q.show(ones, emission=floats((1, 1, 2), [1, 2]))
+
+    def test_a_mesh_is_shown(self):
+        self.need("scene.patch", "arrays")
+        points, faces = floats((4, 3), CORNERS), whole((4, 3), FACES)
+        self.q.show(mesh=(points, faces), material={"albedo": [0.8, 0.2, 0.1]}, normals="smooth")
+        self.assertEqual([round(x, 5) for x in self.q.scene.get()["bounds"]["max"]], [1, 2, 3])
+        self.assertIn(self.q.wait("complete", timeout=120)["level"], ("complete", "converged"))
+        self.q.show(mesh=(points, faces, points, floats((4, 2), range(8))))
+        for wrong in (whole((4, 3), [*FACES[:-1], 4]), whole((1, 3), [0, 1, 9])):
+            with self.assertRaisesRegex(quiltd.BadScene, "there are 4 positions"):
+                self.q.show(mesh=(points, wrong))
+        with self.assertRaisesRegex(quiltd.BadScene, "is nan"):
+            self.q.show(mesh=(floats((4, 3), [*CORNERS[:-1], float("nan")]), faces))
+        self.assertEqual([round(x, 5) for x in self.q.scene.get()["bounds"]["max"]], [1, 2, 3])
+
+    def test_scenes_and_patches_have_arrays(self):
+        self.need("scene.patch", "arrays")
+        mesh = {"arrays": {"positions": "p", "triangles": "t"}}
+        arrays = {"p": floats((4, 3), CORNERS), "t": whole((4, 3), FACES, "i")}
+        self.q.scene({"quiltd": 1, "meshes": {"m": mesh}, "lights": SCENE["lights"]}, arrays=arrays)
+        self.assertEqual(sorted(self.q.status()["passed"]), ["p", "t"])
+        self.q.scene.patch({"meshes": {"m": mesh}}, arrays={"p": floats((4, 3), [2 * x for x in CORNERS])})
+        self.assertEqual([round(x, 5) for x in self.q.scene.get()["bounds"]["max"]], [2, 4, 6])
+        self.q.scene.patch({"meshes": {"m": {"transform": {"scale": 0.5}}}})
+        self.assertEqual([round(x, 5) for x in self.q.scene.get()["bounds"]["max"]], [1, 2, 3])
+
     def test_the_scene_of_volumes_is_one_that_quiltd_reads(self):
         scene = pathlib.Path(folder, "volume.json")
-        scene.write_text(json.dumps(volume_scene({"shape": "box", "density": 3, "albedo": [1, 0.8, 0.6]})))
+        volume = {"shape": "box", "density": 3, "albedo": [1, 0.8, 0.6]}
+        scene.write_text(json.dumps(daylight(volumes={"box": volume})))
         self.q.scene(scene)
         self.assertIn(self.q.wait("complete", timeout=120)["level"], ("complete", "converged"))
 
@@ -278,6 +315,12 @@ class Examples(Case):
         images = [pathlib.Path(folder, f"turn_0{i}.png").read_bytes() for i in range(2)]
         self.assertEqual([png_size(image) for image in images], [(WIDTH, HEIGHT)] * 2)
 
+    def test_slideshow(self):
+        self.need("playlist.set")
+        self.assertEqual(self.run_example("slideshow.py", self.q.info["folders"][0], "3600"), ["shown in turn: 1"])
+        self.assertTrue(self.q.status()["playlist"]["playing"])
+        self.q.playlist.stop()
+
     def test_numpy_volume(self):
         self.need_numpy("scene.load", "arrays")
         self.assertEqual(len(self.run_example("volume.py")), 1)
@@ -285,6 +328,10 @@ class Examples(Case):
     def test_numpy_quilt(self):
         self.need_numpy("quilt.show")
         self.assertEqual(len(self.run_example("quilt.py")), 1)
+
+    def test_numpy_mesh(self):
+        self.need_numpy("scene.patch", "arrays")
+        self.assertEqual(len(self.run_example("mesh.py")), 1)
 
     def test_numpy_explorer(self):
         self.need_numpy("scene.load", "arrays")

@@ -35,7 +35,8 @@ static bool is_gltf(const char *path, int fd)
 lf_status lf_mesh_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out, lf_error *err)
 {
     lf_soup soup = {0};
-    lf_format_read_fn *read = find_format(desc->file, fd);
+    lf_format_read_fn *read =
+        desc->arrays.name[LF_MESH_POSITIONS] ? lf_arrays_read : find_format(desc->file, fd);
     if (!read)
         return is_gltf(desc->file, fd) ? lf_gltf_read(desc, fd, out, err)
                                        : lf_assimp_read(desc, fd, out, err);

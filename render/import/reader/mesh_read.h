@@ -16,6 +16,8 @@ LF_NODISCARD lf_status lf_mesh_read(const lf_mesh_desc *desc, int fd, lf_mesh_da
 typedef lf_status lf_format_read_fn(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err);
 
 lf_format_read_fn lf_ply_read, lf_stl_read, lf_obj_read;
+/* Arrays instead of a file: fd has the positions, and the asker gives the others (import.h). */
+lf_format_read_fn lf_arrays_read;
 
 LF_NODISCARD lf_status lf_assimp_read(const lf_mesh_desc *desc, int fd, lf_mesh_data *out,
                                       lf_error *err);

@@ -208,6 +208,8 @@ static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_w
                                   .once = request->once,
                                   .seconds = request->seconds_in}};
     lf_mesh_data data = {0};
+    for (int i = 0; i < LF_MESH_N_ARRAYS; i++)
+        desc.arrays.name[i] = (request->arrays & 1U << i) != 0 ? lf_mesh_array_keys[i] : NULL;
     memcpy(desc.transform.m, request->transform, sizeof request->transform);
     lf_status status = lf_mesh_read(&desc, fd, &data, err);
     if (status == LF_OK)

@@ -12,7 +12,7 @@ void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
     const char *key = NULL,
                *fault = lf_camera_fault(camera->position, camera->target, camera->up, &key);
     const lf_node node = lf_node_child(root, "camera"), blur = lf_node_child(&node, "view_blur"),
-                  at = lf_node_child(&node, key);
+                  depth = lf_node_child(&node, "depthiness"), at = lf_node_child(&node, key);
     if (fault) {
         lf_read_fail(reader, &at, "%s", fault);
         return;
@@ -22,6 +22,10 @@ void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
         lf_read_fail(
             reader, &blur,
             "cameras listed one by one cannot have view_blur; use an arc, a track or a grid");
+    if (camera->list && fabs(camera->depthiness - 1) > 0)
+        lf_read_fail(
+            reader, &depth,
+            "cameras listed one by one cannot have depthiness; use an arc, a track or a grid");
     if (camera->view_blur > 0 && camera->lens_radius > 0)
         lf_read_fail(reader, &blur, "cannot be combined with lens_radius; remove one of them");
     if (!lf_node_child(&node, "focus_distance").value)

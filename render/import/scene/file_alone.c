@@ -70,9 +70,16 @@ const lf_param lf_alone_params[] = {
 };
 /* clang-format on */
 
+const char *lf_alone_kind(const char *path)
+{
+    if (lf_is_file_of(path, lf_mesh_endings))
+        return "model";
+    return lf_is_file_of(path, lf_volume_endings) ? "volume" : NULL;
+}
+
 bool lf_is_file_alone(const char *path)
 {
-    return lf_is_file_of(path, lf_mesh_endings) || lf_is_file_of(path, lf_volume_endings);
+    return lf_alone_kind(path);
 }
 
 #define MOST_FRAMES 10000

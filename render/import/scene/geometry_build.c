@@ -79,10 +79,18 @@ json_t *lf_geometry_key_between(json_t *open, json_t *close)
     return json_pack("{s:o, s:o}", "open", open, "close", close);
 }
 
+static lf_status open_again(const lf_mesh_file *file, const lf_roots *roots, int *out_fd)
+{
+    lf_array array;
+    return file->is_array ? lf_passed_open_array(roots ? roots->passed : NULL, file->path, NULL,
+                                                 &array, out_fd, NULL)
+                          : lf_file_open(file->path, roots, LF_MESH_MAX_BYTES, out_fd, NULL, NULL);
+}
+
 static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
 {
     int fd;
-    if (lf_file_open(file->path, roots, LF_MESH_MAX_BYTES, &fd, NULL, NULL) != LF_OK)
+    if (open_again(file, roots, &fd) != LF_OK)
         return false;
     struct stat info;
     bool same = fstat(fd, &info) == 0 && info.st_size == file->size && info.st_ino == file->inode &&

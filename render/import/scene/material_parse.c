@@ -308,7 +308,7 @@ static void read_overrides(lf_reader *reader, const lf_node *mesh_node, const lf
         lf_read_fail(reader, &all,
                      "expected an object: names of the file's materials, with names of the scene's "
                      "materials that replace them");
-    else if (mesh->shape)
+    else if (!mesh->file)
         lf_read_fail(reader, &all,
                      "only a mesh from a file has materials of its own; use \"material\"");
     else if (lf_node_child(mesh_node, "material").value)

@@ -9,6 +9,7 @@
 #include "base/sandbox/import.h"
 #include "base/sandbox/import_group.h"
 #include "render/import/scene/file_identity.h"
+#include "render/import/scene/mesh_arrays.h"
 #include "render/import/scene/mesh_take.h"
 
 /* --------------------------------------------------------------------------- requested files -- */
@@ -53,7 +54,7 @@ lf_status lf_mesh_note_same(lf_mesh_data *data, const lf_mesh_file *file, lf_err
     return LF_OK;
 }
 
-lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd, lf_error *err)
+static lf_status note(lf_mesh_data *data, const char *path, bool is_array, int fd, lf_error *err)
 {
     struct stat info;
     if (lf_mesh_noted(data, path))
@@ -64,11 +65,22 @@ lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd, lf_err
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
     lf_mesh_file file = {.path = (char *)(uintptr_t)path,
+                         .is_array = is_array,
                          .modified = info.st_mtim,
                          .size = info.st_size,
                          .inode = info.st_ino};
     status = lf_file_digest(fd, path, &file.digest, err);
     return status == LF_OK ? lf_mesh_note_same(data, &file, err) : status;
+}
+
+lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd, lf_error *err)
+{
+    return note(data, path, false, fd, err);
+}
+
+lf_status lf_mesh_note_array(lf_mesh_data *data, const char *name, int fd, lf_error *err)
+{
+    return note(data, name, true, fd, err);
 }
 
 static lf_status open_asked(void *context, const char *name, bool needed, int *out_fd)
@@ -121,7 +133,8 @@ static void put_clip(const lf_clip *clip, lf_import_request *request)
 bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
     const lf_clip *c = &a->clip, *d = &b->clip;
-    return strcmp(a->file, b->file) == 0 && a->normals == b->normals &&
+    return strcmp(a->file ? a->file : "", b->file ? b->file : "") == 0 &&
+           lf_mesh_arrays_alike(&a->arrays, &b->arrays) && a->normals == b->normals &&
            (a->material < 0) == (b->material < 0) && a->emits == b->emits &&
            memcmp(&a->transform, &b->transform, sizeof a->transform) == 0 &&
            a->wants.uvs == b->wants.uvs && a->wants.tangents == b->wants.tangents &&
@@ -143,6 +156,28 @@ static const lf_error *problem_of_files(const asked *state, const char *path, lf
 }
 
 /* Runs a reader on a file: returns its parcel, and in state the results of requested files. */
+static lf_status read_file(lf_import_request *request, const char *path, asked *state,
+                           lf_parcel *out, lf_error *err)
+{
+    int fd = -1;
+    if (strlen(path) >= sizeof request->path)
+        return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
+    memcpy(request->path, path, strlen(path) + 1);
+    lf_status status = open_asked(state, path, true, &fd);
+    const bool opened = status == LF_OK;
+    if (opened) {
+        status = lf_import_run(request, fd, path, open_asked, state, out, err);
+        close(fd);
+    }
+    const lf_error *problem = problem_of_files(state, path, status, opened);
+    if (!problem)
+        return status;
+    if (err)
+        *err = *problem;
+    return problem->status;
+}
+
+/* path: of the file; the mesh's name if it has arrays. */
 static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *state, lf_parcel *out,
                            lf_error *err)
 {
@@ -152,26 +187,14 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
                                  .wants_uvs = desc->wants.uvs,
                                  .wants_tangents = desc->wants.tangents,
                                  .emits = desc->emits};
-    int fd = -1;
-    if (strlen(path) >= sizeof request.path)
-        return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
-    memcpy(request.path, path, strlen(path) + 1);
     put_clip(&desc->clip, &request);
     if (desc->variant)
         memcpy(request.variant, desc->variant, strlen(desc->variant) + 1);
     memcpy(request.transform, desc->transform.m, sizeof request.transform);
-    lf_status status = open_asked(state, path, true, &fd);
-    const bool opened = status == LF_OK;
-    if (opened) {
-        status = lf_import_run(&request, fd, path, open_asked, state, out, err);
-        close(fd);
-    }
-    const lf_error *problem = problem_of_files(state, path, status, opened);
-    if (!problem)
-        return status;
-    if (err)
-        *err = *problem;
-    return problem->status;
+    if (desc->file)
+        return read_file(&request, path, state, out, err);
+    lf_passed *passed = state->roots ? state->roots->passed : NULL;
+    return lf_mesh_arrays_run(desc, passed, &request, state->data, out, err);
 }
 
 /* Takes one mesh of the result; the first one has its files recorded already. */
@@ -197,9 +220,9 @@ lf_status lf_mesh_import_alike(const lf_mesh_desc *desc, const char *folder, con
 {
     asked state = {.roots = roots, .data = out[0]};
     lf_parcel parcel = {0};
-    char *path = lf_path_join(folder, desc->file);
+    char *path = desc->file ? lf_path_join(folder, desc->file) : lf_strdup(desc->name);
     if (!path)
-        return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
+        return lf_error_set(err, LF_E_NOMEM, desc->name, "out of memory");
     lf_status status = read_mesh(desc, path, &state, &parcel, err);
     for (int i = 0; i < n && status == LF_OK; i++)
         status = lf_import_is_stopped() ? lf_import_say_stopped(path, err)

@@ -66,19 +66,19 @@ typedef struct lf_mesh_data {
     lf_warnings warnings; /* about features of the file that are lost */
 } lf_mesh_data;
 
-/* Reads desc->file through quiltimport (import.h): OBJ, PLY, STL, glTF, 3DS. Every file that it
- * opens lies under roots (NULL = anywhere); relative names are relative to folder. Applies the
- * file's own node transforms and desc->transform. Drops triangles without area, and, with a
- * warning, triangles with vertices that are not finite or beyond LF_MAX_COORDINATE. A mesh without
- * triangles is an error. Lost features of the file are in out->warnings. Animations are at
+/* Reads desc->file or desc->arrays through quiltimport (import.h): OBJ, PLY, STL, glTF, 3DS. Every
+ * file that it opens lies under roots (NULL = anywhere); relative names are relative to folder.
+ * Applies the file's own node transforms and desc->transform. Drops triangles without area, and,
+ * with a warning, triangles with vertices that are not finite or beyond LF_MAX_COORDINATE. A mesh
+ * without triangles is an error. Lost features of the file are in out->warnings. Animations are at
  * desc->clip; LF_E_ARG: the file has no such clip. *out must be zeroed; release with
  * lf_mesh_data_finish, also after a failure. Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT, LF_E_NOMEM,
  * and errors of lf_import_run. Thread: any, several at once. */
 LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder,
                                       const lf_roots *roots, lf_mesh_data *out, lf_error *err);
 
-/* Whether two meshes from files make the same request to a reader. If folder and roots are also the
- * same, one reading serves both. */
+/* Whether two meshes from files or arrays make the same request to a reader. If folder and roots
+ * are also the same, one reading serves both. */
 bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b);
 /* lf_mesh_import for n meshes that all read like desc: reads the file once, and fills each of
  * *out[n] with a copy. On failure some may be filled. */
@@ -89,6 +89,9 @@ LF_NODISCARD lf_status lf_mesh_import_alike(const lf_mesh_desc *desc, const char
 /* Records a file that was opened for a mesh, once per path. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd,
                                          lf_error *err);
+/* The same for an array, by its name. */
+LF_NODISCARD lf_status lf_mesh_note_array(lf_mesh_data *data, const char *name, int fd,
+                                          lf_error *err);
 /* Copies the record of a file from another mesh. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_note_same(lf_mesh_data *data, const lf_mesh_file *file,
                                          lf_error *err);

@@ -9,6 +9,10 @@
 /* A ground's half side, in half diagonals of the objects on it. If a camera has these in its view,
  * the ground's edge is within a tenth of a degree of the horizon. */
 #define GROUND_REACH 500.0
+/* In half diagonals: how far a ground stays below a floor, and how exactly a floor lies at the
+ * lowest point. */
+#define FLOOR_GAP 1e-3
+#define FLOOR_ERROR 1e-6
 
 /* ----------------------------------------------------------------------------------- grounds -- */
 
@@ -18,7 +22,7 @@ static bool is_there(const double bounds[2][3])
 }
 
 /* Half the side, and the middle. */
-static double measure(const double bounds[2][3], double middle[3])
+static double measure(const double bounds[2][3], double middle[3], double *out_half)
 {
     double across[3];
     for (int i = 0; i < 3; i++) {
@@ -26,8 +30,40 @@ static double measure(const double bounds[2][3], double middle[3])
         middle[i] = 0.5 * (bounds[0][i] + bounds[1][i]);
     }
     middle[1] = bounds[0][1];
-    const double diagonal = 0.5 * lf_length_double(across);
-    return diagonal > 0 ? fmin(GROUND_REACH * diagonal, LF_MAX_COORDINATE) : 1;
+    *out_half = 0.5 * lf_length_double(across);
+    return *out_half > 0 ? fmin(GROUND_REACH * *out_half, LF_MAX_COORDINATE) : 1;
+}
+
+static bool is_flat(const lf_mesh_data *data, int triangle, double y, const double *out_corner[3])
+{
+    bool flat = true;
+    for (int k = 0; k < 3; k++) {
+        out_corner[k] = data->positions + 3 * (size_t)data->triangles[3 * triangle + k];
+        flat = flat && out_corner[k][1] <= y;
+    }
+    return flat;
+}
+
+/* Whether faces below y can be seen from above: they look up, or they are an open sheet. The side
+ * faces of a body touch the outermost corner of its bottom. */
+static bool has_floor(const lf_mesh_data *data, double y)
+{
+    const double *p[3], *outer = NULL;
+    bool is_open = true;
+    for (int i = 0; i < data->n_triangles && data->n_instances == 0; i++) {
+        if (!is_flat(data, i, y, p))
+            continue;
+        if ((p[1][2] - p[0][2]) * (p[2][0] - p[0][0]) > (p[1][0] - p[0][0]) * (p[2][2] - p[0][2]))
+            return true;
+        for (int k = 0; k < 3; k++)
+            if (!outer || p[k][0] < outer[0] || (p[k][0] == outer[0] && p[k][2] < outer[2]))
+                outer = p[k];
+    }
+    for (int i = 0; i < data->n_triangles && outer && is_open; i++)
+        for (int k = 0; k < 3 && !is_flat(data, i, y, p); k++)
+            is_open =
+                is_open && (p[k][0] != outer[0] || p[k][1] != outer[1] || p[k][2] != outer[2]);
+    return outer && is_open;
 }
 
 static void move(lf_mesh_data *data, double scale, const double middle[3])
@@ -49,7 +85,8 @@ static bool put_key(json_t *key, int mesh, json_t *transform)
 bool lf_place_grounds(const lf_scene_desc *desc, const double beside[2][3], lf_mesh_data *data,
                       json_t *key, json_t **out_patch)
 {
-    double bounds[2][3], middle[3] = {0}, scale = 1;
+    double bounds[2][3], middle[3] = {0}, scale = 1, half = 0;
+    bool on_floor = false;
     json_t *meshes = NULL;
     bool done = true;
     *out_patch = NULL;
@@ -58,7 +95,12 @@ bool lf_place_grounds(const lf_scene_desc *desc, const double beside[2][3], lf_m
         if (desc->meshes[i].ground != LF_GROUND_SAID && !desc->meshes[i].lamp)
             lf_mesh_data_bounds(&data[i], bounds);
     if (is_there((const double(*)[3])bounds))
-        scale = measure((const double(*)[3])bounds, middle);
+        scale = measure((const double(*)[3])bounds, middle, &half);
+    for (int i = 0; i < desc->n_meshes && !on_floor; i++)
+        on_floor = desc->meshes[i].ground != LF_GROUND_SAID && !desc->meshes[i].lamp &&
+                   has_floor(&data[i], middle[1] + FLOOR_ERROR * half);
+    if (on_floor)
+        middle[1] -= FLOOR_GAP * half;
     for (int i = 0; i < desc->n_meshes && done; i++) {
         if (!desc->meshes[i].stands)
             continue;
@@ -103,6 +145,7 @@ static json_t *fit_camera(lf_reader *reader, const lf_scene *scene)
     lf_render_settings settings = {.camera = *lf_scene_camera(scene), .height = 560};
     double target[3], position[3], view[3];
     lf_error err = {0};
+    lf_camera_deepen(&settings.camera);
     settings.width = (int)fmax(1.0, nearbyint(settings.height * settings.camera.aspect));
     if (lf_camera_fit(scene, &settings, name, LF_CAMERA_FILL, 0.0, target, position, &err) !=
         LF_OK) {

@@ -7,7 +7,8 @@
 #include "render/import/scene/mesh_import.h"
 
 /* Moves the shapes of data (of desc's meshes) that are grounds without a position, and enlarges
- * them. They go below all other meshes and the box `beside`, which may be empty. key, of
+ * them. They go below all other meshes and the box `beside`, which may be empty, and a little lower
+ * if a model has a floor at its lowest point, which then hides the ground. key, of
  * lf_geometry_key, becomes the key of the document with these positions.
  *
  * *out_patch is the patch (RFC 7396) from this document to that one, a new reference; NULL: no such

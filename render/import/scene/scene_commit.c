@@ -93,16 +93,26 @@ static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, c
     lf_free(path);
 }
 
-/* Loads the array of a volume. */
-static void load_array(commit *c, const lf_volume_desc *desc, lf_volume *out)
+/* Loads an array of a volume, of this size; arguments as in load_grid. */
+static void load_array(commit *c, const lf_volume_desc *desc, const char *name,
+                       const int64_t size[3], const char *lacks, const char *key, lf_volume *out)
 {
     lf_error err = {0};
-    if (lf_volume_array_load(&c->grids, desc, out, &err) != LF_OK)
-        fail_at(c, "volumes", desc->name, "array", &err);
+    if (lf_volume_array_load(&c->grids, desc, name, size, out, &err) != LF_OK)
+        fail_at(c, "volumes", desc->name, key, &err);
     else if (out->grid->n_bricks == 0)
         lf_warnings_add(&c->scene->warnings, c->scene->file.where,
-                        "array \"%s\" has no value above 0: the volume \"%s\" is left out",
-                        desc->array, desc->name);
+                        "array \"%s\" has no value above 0: the volume \"%s\" %s", name, desc->name,
+                        lacks);
+}
+
+/* Emission has the voxels of the densities. */
+static void load_emission_array(commit *c, int i, lf_volume *emissive)
+{
+    const lf_volume_desc *desc = &c->desc->volumes[i];
+    const int *size = c->scene->volumes[i].grid->size;
+    load_array(c, desc, desc->emission_array, (int64_t[3]){size[0], size[1], size[2]},
+               "does not emit", "emission", emissive);
 }
 
 /* Advected values lie between voxels and are interpolated once more. The loss of the density's
@@ -146,7 +156,9 @@ static void load_emissive(commit *c, int i)
     lf_volume *emissive = &scene->emissive.field[scene->emissive.n++];
     *emissive = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
     emissive->sigma_scale = emissive->sigma_max = 1.0f;
-    if (desc->kind == LF_VOLUME_GRID)
+    if (desc->array)
+        load_emission_array(c, i, emissive);
+    else if (desc->kind == LF_VOLUME_GRID)
         load_grid(c, desc, desc->emission_grid, "does not emit", "emission", emissive);
     if (emissive->grid)
         emissive->sigma_max = lf_volume_largest(emissive);
@@ -215,7 +227,7 @@ static void load_volumes(commit *c)
             lf_phase_droplets(desc->droplets, volume);
         volume->albedo = lf_to_vec3(desc->albedo);
         if (desc->array)
-            load_array(c, desc, volume);
+            load_array(c, desc, desc->array, (const int64_t[3]){0}, "is left out", "array", volume);
         else if (desc->kind == LF_VOLUME_GRID)
             load_grid(c, desc, desc->grid, "is left out", "file", volume);
         if (volume->grid && c->reader->status == LF_OK)
@@ -293,7 +305,8 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
     fail_at(c, mesh->lamp ? "lights" : "meshes", mesh->name,
             mesh->shape          ? ""
             : status == LF_E_ARG ? choice_of(&err)
-                                 : "file",
+            : mesh->file         ? "file"
+                                 : "arrays",
             &err);
 }
 

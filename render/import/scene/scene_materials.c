@@ -153,7 +153,7 @@ static void check_uvs(const making *m, int mesh)
     if (desc->wants.uvs && !m->scene->geometry->meshes[mesh].uvs)
         lf_read_fail(m->reader, &at,
                      "%s has no readable texture coordinates, but its material has textures",
-                     desc->file);
+                     desc->file ? desc->file : desc->name);
 }
 
 void lf_scene_materials(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,

@@ -9,6 +9,7 @@
 #include "render/import/scene/frame_file.h"
 #include "render/import/scene/material_parse.h"
 #include "render/import/scene/member_read.h"
+#include "render/import/scene/mesh_arrays.h"
 #include "render/import/scene/mesh_role.h"
 #include "render/import/scene/transform_read.h"
 #include "render/scene/vec_double.h"
@@ -142,16 +143,23 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 #define STEPS 8 /* of velocities */
 #define MAX_GRID_NAME 256
 
-/* Emission of a grid: "emission" is an object. */
+/* Emission of a grid or an array: "emission" is an object. */
 static void parse_emissive(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"grid", "scale", "colour", "temperature_scale", NULL};
+    static const char *const of_file[] = {"grid", "scale", "colour", "temperature_scale", NULL},
+                             *const of_array[] = {"array", "scale", "colour", "temperature_scale",
+                                                  NULL};
     lf_node emission = lf_node_child(node, "emission");
     double colour[3] = {1, 1, 1};
-    volume->is_emissive = lf_read_object(reader, &emission, keys);
+    volume->is_emissive = lf_read_object(reader, &emission, volume->array ? of_array : of_file);
     if (!volume->is_emissive)
         return;
-    volume->emission_grid = lf_read_string(reader, &emission, "grid", "temperature", 256);
+    if (volume->array)
+        volume->emission_array =
+            lf_read_string(reader, &emission, "array", volume->array, LF_MAX_ARRAY_NAME);
+    else
+        volume->emission_grid =
+            lf_read_string(reader, &emission, "grid", "temperature", MAX_GRID_NAME);
     volume->temperature_scale =
         lf_read_number(reader, &emission, "temperature_scale", 0, 0, LF_MAX_TEMPERATURE_SCALE);
     lf_read_colour(reader, &emission, "colour", colour, 0, LF_MAX_RADIANCE);
@@ -284,15 +292,17 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
 static void parse_array(lf_reader *reader, const lf_node *node, lf_volume_desc *volume,
                         double spacing[3])
 {
-    static const char *const keys[] = {
-        "array",        "spacing",  "scale",     "sigma_t",   "albedo",        "g", "second_g",
-        "second_share", "droplets", "precision", "transform", "interpolation", NULL};
+    static const char *const keys[] = {"array",     "spacing",   "scale",         "sigma_t",
+                                       "albedo",    "g",         "second_g",      "second_share",
+                                       "droplets",  "precision", "interpolation", "emission",
+                                       "transform", NULL};
     const double least = 1e-9, most = 1e9;
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
     volume->array = lf_read_string(reader, node, "array", NULL, LF_MAX_ARRAY_NAME);
     lf_read_colour(reader, node, "spacing", spacing, least, most);
     parse_values(reader, node, volume);
+    parse_emissive(reader, node, volume);
 }
 
 /* Refuses keys that need a file, for a volume without one. */
@@ -455,7 +465,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
 {
     static const char *const keys[] = {"file",      "shape",     "material", "normals", "transform",
                                        "animation", "units",     "catcher",  "lights",  "instances",
-                                       "variant",   "materials", "ground",   NULL};
+                                       "variant",   "materials", "ground",   "arrays",  NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
     const char *shapes[LF_MAX_KINDS + 1] = {NULL};
@@ -464,7 +474,9 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     *mesh = (lf_mesh_desc){.name = node->key, .material = -1};
     if (!lf_read_object(reader, node, keys))
         return;
-    if (lf_read_either(reader, node, "file", "shape"))
+    if (lf_node_child(node, "arrays").value)
+        lf_mesh_arrays_parse(reader, node, &mesh->arrays);
+    else if (lf_read_either(reader, node, "file", "shape"))
         mesh->file = lf_read_file(reader, node, "file", lf_mesh_endings);
     else
         mesh->shape = lf_mesh_shapes[lf_read_choice(reader, node, "shape", shapes, 0)];
@@ -472,7 +484,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     mesh->transform = parse_instances(reader, node, desc->unit_mm);
     const lf_node units = lf_node_child(node, "units");
     if (mesh->shape && units.value)
-        lf_read_fail(reader, &units, "only a mesh from a file has units");
+        lf_read_fail(reader, &units, "a shape has no units; only a file or arrays have");
     lf_mesh_role_parse(reader, node, mesh);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     mesh->variant = parse_variant(reader, node);

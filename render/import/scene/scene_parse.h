@@ -36,7 +36,8 @@ typedef struct lf_volume_desc {
     /* Only for LF_VOLUME_GRID, like the next: the grids that are added, separated by newlines. */
     char grid[LF_MAX_SUMMED * LF_GRID_NAME_BYTES];
     char *file; /* at the frame; released by lf_scene_desc_finish; NULL: a shape or an array */
-    const char *array; /* passed in memory; NULL: none */
+    const char *array;          /* passed in memory; NULL: none */
+    const char *emission_array; /* likewise, of an emissive volume with an array */
     lf_frame_of frame;
     bool absent; /* there is no file for the frame: the volume is empty */
     bool nearest;
@@ -93,11 +94,27 @@ typedef struct lf_override {
     int material;     /* index into materials */
 } lf_override;
 
+/* Arrays of a mesh that a client passed in memory. */
+typedef enum lf_mesh_array {
+    LF_MESH_POSITIONS,
+    LF_MESH_TRIANGLES,
+    LF_MESH_NORMALS,
+    LF_MESH_UVS,
+    LF_MESH_N_ARRAYS
+} lf_mesh_array;
+extern const char *const lf_mesh_array_keys[]; /* keys in scenes; NULL after the last */
+
+typedef struct lf_mesh_arrays {
+    const char *name[LF_MESH_N_ARRAYS]; /* NULL: none; the first two are there */
+} lf_mesh_arrays;
+
 typedef struct lf_mesh_desc {
     const char *name;
-    const lf_mesh_shape *shape; /* NULL: file */
-    const char *file;           /* NULL: shape */
-    int material;               /* index into materials; -1 = the file's own */
+    /* one of the three: a shape, a file, or arrays with positions */
+    const lf_mesh_shape *shape;
+    const char *file;
+    lf_mesh_arrays arrays;
+    int material; /* index into materials; -1 = the file's own */
     lf_normals normals;
     lf_affine transform;
     lf_clip clip;        /* animation of a file */

@@ -42,19 +42,41 @@ static bool put_flow(json_t *said, const lf_scene_desc *desc, const lf_volume_de
     return json_object_set_new(said, "flows", json_pack("[f, f]", times[0], times[1])) == 0;
 }
 
-static bool put_volume(json_t *doc, const lf_scene_desc *scene, const lf_volume *volume,
-                       const lf_volume_desc *desc)
+/* The emission of volume i; NULL: none. */
+static const lf_volume *emission_of(const lf_scene *scene, int i)
 {
-    json_t *said = member(doc, "volumes", desc->name);
-    json_object_del(said, "sequence");
-    if (!put_flow(said, scene, desc))
-        return false;
-    if (desc->array && volume->grid) {
-        const int *size = volume->grid->size;
-        json_object_del(said, "array");
-        if (json_object_set_new(said, "size", json_pack("[i, i, i]", size[0], size[1], size[2])))
+    for (int k = 0; k < scene->emissive.n; k++)
+        if (scene->emissive.light[k].volume == i)
+            return &scene->emissive.field[k];
+    return NULL;
+}
+
+/* Arrays by their content and size. */
+static bool put_arrays(json_t *said, const lf_volume *volume, const lf_volume *emission)
+{
+    const int *size = volume->grid->size;
+    json_object_del(said, "array");
+    if (emission && emission->grid) {
+        json_t *light = json_copy(json_object_get(said, "emission")); /* it is shared */
+        bool done =
+            json_object_set_new(light, "array", json_string(emission->grid->digest.text)) == 0;
+        if (json_object_set_new(said, "emission", light) != 0 || !done)
             return false;
     }
+    return json_object_set_new(said, "size", json_pack("[i, i, i]", size[0], size[1], size[2])) ==
+           0;
+}
+
+static bool put_volume(json_t *doc, const lf_scene *scene, const lf_scene_desc *of, int i)
+{
+    const lf_volume *volume = &scene->volumes[i];
+    const lf_volume_desc *desc = &of->volumes[i];
+    json_t *said = member(doc, "volumes", desc->name);
+    json_object_del(said, "sequence");
+    if (!put_flow(said, of, desc))
+        return false;
+    if (desc->array && volume->grid && !put_arrays(said, volume, emission_of(scene, i)))
+        return false;
     return !volume->grid ||
            json_object_set_new(said, "file", json_string(volume->grid->digest.text)) == 0;
 }
@@ -71,15 +93,31 @@ static bool put_motion(json_t *said, const lf_mesh_motion *motion, const lf_clip
            json_object_set_new(said, "animation", pair) == 0;
 }
 
+/* Each array by its content. */
+static bool put_mesh_arrays(json_t *said, const lf_geometry *geometry, int mesh,
+                            const lf_mesh_desc *desc)
+{
+    json_t *arrays = json_object();
+    bool done = arrays;
+    for (int k = 0; k < LF_MESH_N_ARRAYS; k++)
+        for (int i = 0; i < geometry->n_files && desc->arrays.name[k] && done; i++)
+            if (geometry->files[i].mesh == mesh && geometry->files[i].is_array &&
+                strcmp(geometry->files[i].path, desc->arrays.name[k]) == 0)
+                done = json_object_set_new(arrays, lf_mesh_array_keys[k],
+                                           json_string(geometry->files[i].digest.text)) == 0;
+    return json_object_set_new(said, "arrays", arrays) == 0 && done;
+}
+
 static bool put_mesh(json_t *doc, const lf_geometry *geometry, int mesh, const lf_mesh_desc *desc)
 {
     json_t *digests = json_array();
     bool done = true;
     for (int i = 0; i < geometry->n_files && done; i++)
-        if (geometry->files[i].mesh == mesh)
+        if (geometry->files[i].mesh == mesh && !geometry->files[i].is_array)
             done = json_array_append_new(digests, json_string(geometry->files[i].digest.text)) == 0;
     json_t *said = member(doc, "meshes", desc->name);
-    done = done && json_object_set(said, "file", digests) == 0;
+    done = done && json_object_set(said, "file", digests) == 0 &&
+           (!desc->arrays.name[0] || put_mesh_arrays(said, geometry, mesh, desc));
     json_decref(digests);
     json_object_del(said, "animation");
     if (desc->places.file) /* among the digests */
@@ -177,7 +215,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     json_t *doc = copy_levels(scene->file.still, 3); /* objects are the third level */
     bool done = doc;
     for (int i = 0; i < desc->n_volumes && done; i++)
-        done = put_volume(doc, desc, &scene->volumes[i], &desc->volumes[i]);
+        done = put_volume(doc, scene, desc, i);
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = (desc->meshes[i].shape && !desc->meshes[i].places.file) ||
                put_mesh(doc, scene->geometry, i, &desc->meshes[i]);

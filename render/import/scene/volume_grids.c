@@ -15,7 +15,7 @@
 typedef struct request {
     int fd;
     bool rounds, is_array;
-    int64_t size[3];  /* of the array */
+    int64_t size[3];  /* voxels of the array along x, y, z */
     const char *path, /* or the array's name */
         *names;       /* "" for an array */
 } request;
@@ -268,15 +268,19 @@ lf_status lf_volume_grid_load(lf_grid_source *source, const lf_volume_desc *volu
     return status;
 }
 
-lf_status lf_volume_array_load(lf_grid_source *source, const lf_volume_desc *volume, lf_volume *out,
+lf_status lf_volume_array_load(lf_grid_source *source, const lf_volume_desc *volume,
+                               const char *name, const int64_t size[3], lf_volume *out,
                                lf_error *err)
 {
-    request r = {
-        .fd = -1, .rounds = volume->half, .is_array = true, .path = volume->array, .names = ""};
+    request r = {.fd = -1, .rounds = volume->half, .is_array = true, .path = name, .names = ""};
     lf_passed *passed = source->roots ? source->roots->passed : NULL;
-    lf_status status = lf_passed_open_array(passed, volume->array, r.size, &r.fd, err);
+    const lf_array wanted = {.n_axes = 3, .length = {size[2], size[1], size[0]}};
+    lf_array array;
+    lf_status status = lf_passed_open_array(passed, name, &wanted, &array, &r.fd, err);
     if (status != LF_OK)
         return status;
+    for (int i = 0; i < 3; i++)
+        r.size[i] = array.length[2 - i];
     status = share_or_import(source, &r, &out->grid, err);
     close(r.fd);
     return status;

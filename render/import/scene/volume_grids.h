@@ -27,9 +27,11 @@ LF_NODISCARD lf_status lf_volume_grid_load(lf_grid_source *source, const lf_volu
                                            const char *path, const char *names, lf_volume *out,
                                            const char **out_key, lf_error *err);
 
-/* Loads the array of a volume: sets out->grid. */
+/* Loads an array of a volume: sets out->grid. size: its voxels along x, y and z; 0 for any number.
+ * LF_E_FORMAT: it has another shape, or values that a grid cannot have. */
 LF_NODISCARD lf_status lf_volume_array_load(lf_grid_source *source, const lf_volume_desc *volume,
-                                            lf_volume *out, lf_error *err);
+                                            const char *name, const int64_t size[3], lf_volume *out,
+                                            lf_error *err);
 
 /* The largest value of its grid at any time; 0 without a grid. */
 float lf_volume_largest(const lf_volume *volume);

@@ -39,6 +39,8 @@ is_active() {
     within 120 systemctl --quiet is-active quiltd || systemctl status --no-pager quiltd
     systemctl --quiet is-active quiltd.socket || systemctl status --no-pager quiltd.socket
     systemctl --quiet is-enabled quiltd || echo "it is not enabled"
+    ! systemctl --quiet is-enabled quiltweb.service quiltweb.socket || echo "quiltweb is enabled"
+    ! systemctl --quiet is-active quiltweb.service quiltweb.socket || echo "quiltweb runs"
 }
 main_pid() { systemctl show -P MainPID quiltd; }
 restarted() { [ "$(main_pid)" != "$1" ] && [ "$(main_pid)" != 0 ]; } # its process before

@@ -30,9 +30,16 @@ test("only what quiltd knows is offered", () => {
   );
 });
 
-test("the file is named after the scene", () => {
-  assert.equal(nameFor("/srv/scenes/first light.json", "png"), "first_light.png");
-  assert.equal(nameFor(null, "png"), "image.png");
+test("the file is named after the scene and what it is; a quilt by its tiles", () => {
+  const status = { scene: "/srv/scenes/first light.json", columns: 8, rows: 6, aspect: 0.75 };
+  assert.equal(nameFor("still", status, "png"), "first_light.png");
+  assert.equal(nameFor("panel", status, "png"), "first_light_panel.png");
+  assert.equal(nameFor("quilt", status, "jpg"), "first_light_qs8x6a0.75.jpg");
+  assert.equal(
+    nameFor("quilt", { ...status, scene: "/a/cat_qs5x9a0.5.png" }, "png"),
+    "cat_qs8x6a0.75.png",
+  );
+  assert.equal(nameFor("still", { scene: null }, "png"), "image.png");
 });
 
 test("texts become values", () => {

@@ -56,6 +56,13 @@ test("a refused step is forgotten, another is not", () => {
   assert.deepEqual(history.undo(), { a: 0 });
 });
 
+test("a step without a group is never dropped", () => {
+  const history = new History();
+  history.push(step(1));
+  history.drop(undefined);
+  assert.ok(history.canUndo);
+});
+
 test("a reload keeps the steps, and a gesture after it is a new one", () => {
   const history = new History(),
     restored = new History();

@@ -12,7 +12,8 @@ test("what is asked for during a call is merged, and the last value wins", async
   });
   const end = send({ a: 1 });
   send({ a: 2 });
-  send({ a: 3, b: 1 });
+  send({ a: 2, b: 1 });
+  send({ a: 3 });
   assert.deepEqual(calls, [{ a: 1 }]);
   release();
   await new Promise(setImmediate);

@@ -103,6 +103,59 @@ test("known subpixels show the known views", () => {
   }
 });
 
+test("the patterns of cells are those of the panels", () => {
+  const cells = [0, 1, 2, 3].map((i) => cell([i, 0], [i, 0], [i, 0]));
+  const plain = {
+    ...portrait,
+    pitch: 1,
+    DPI: 1536,
+    slope: 1e12,
+    center: 0,
+    configVersion: "1.0",
+    invView: 0,
+  };
+  // one lens over the whole panel and as many views as columns: the view is the column of the cell
+  const column = (mode, x, y) =>
+    viewOfSubpixel(
+      lensOf({ ...plain, CellPatternMode: mode, subpixelCells: cells }),
+      1536,
+      x,
+      y,
+      0,
+    ) - x;
+  const rows = (mode) => [0, 1, 2, 3].map((y) => [0, 1].map((x) => column(mode, 100 + x, y)));
+  assert.deepEqual(rows(0), [
+    [0, 0],
+    [0, 0],
+    [0, 0],
+    [0, 0],
+  ]);
+  assert.deepEqual(rows(1), [
+    [0, 1],
+    [1, 0],
+    [0, 1],
+    [1, 0],
+  ]);
+  assert.deepEqual(rows(2), [
+    [0, 1],
+    [0, 1],
+    [0, 1],
+    [0, 1],
+  ]);
+  assert.deepEqual(rows(3), [
+    [0, 2],
+    [1, 3],
+    [2, 0],
+    [3, 1],
+  ]);
+  assert.deepEqual(rows(4), [
+    [0, 0],
+    [1, 1],
+    [0, 0],
+    [1, 1],
+  ]);
+});
+
 test("flipSubp swaps red and blue, and flipImageX the direction of the stripes", () => {
   const [r, g, b] = rgb(lensOf(portrait), 48, 0, 0);
   assert.deepEqual(rgb(lensOf({ ...portrait, flipSubp: 1 }), 48, 0, 0), [b, g, r]);

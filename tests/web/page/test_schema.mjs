@@ -81,6 +81,14 @@ test("an object can become another kind, and keeps what that kind has", () => {
   assert.equal(schemas.retyped(root, of("light"), sphere, "type", "laser"), undefined);
 });
 
+test("a kind that shares its keys with another can be chosen, too", () => {
+  const clay = { type: "diffuse", albedo: [0.1, 0.2, 0.3] };
+  assert.deepEqual(schemas.retyped(root, of("material"), clay, "type", "plastic"), {
+    ...clay,
+    type: "plastic",
+  });
+});
+
 test("samples are valid; a file is for a person to choose", () => {
   assert.equal(schemas.sample(root, property("mesh", "file")), undefined);
   assert.equal(schemas.sample(root, of("picture")), undefined);

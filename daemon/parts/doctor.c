@@ -1,33 +1,41 @@
-#include "daemon/tools/doctor.h"
+#include "daemon/parts/doctor.h"
 
 #include <glob.h>
 #include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/number.h"
+#include "daemon/wire/rpc.h"
 
 typedef struct report {
     const lf_doctor_facts *facts;
-    FILE *out;
-    bool failed;
+    lf_doctor_tell_fn tell;
+    void *context;
 } report;
+
+static void say(const report *r, lf_doctor_level level, const char *what, const char *detail)
+{
+    char text[1536];
+    snprintf(text, sizeof text, "%s: %s", what, detail);
+    r->tell(r->context, level, text);
+}
 
 static void say_ok(const report *r, const char *what, const char *detail)
 {
-    fprintf(r->out, "ok    %s: %s\n", what, detail);
+    say(r, LF_DOCTOR_OK, what, detail);
 }
 
-static void say_bad(report *r, const char *what, const char *remedy)
+static void say_bad(const report *r, const char *what, const char *remedy)
 {
-    r->failed = true;
-    fprintf(r->out, "FAIL  %s: %s\n", what, remedy);
+    say(r, LF_DOCTOR_FAIL, what, remedy);
 }
 
 static void say_note(const report *r, const char *what, const char *detail)
 {
-    fprintf(r->out, "note  %s: %s\n", what, detail);
+    say(r, LF_DOCTOR_NOTE, what, detail);
 }
 
 /* -------------------------------------------------------------------------------- the daemon -- */
@@ -189,7 +197,7 @@ static void judge_service(const report *r)
 
 /* -------------------------------------------------------------------------------- the panels -- */
 
-static void judge_panels(report *r)
+static void judge_panels(const report *r)
 {
     int n_panels = 0;
     for (int i = 0; i < r->facts->n_devices; i++) {
@@ -212,7 +220,7 @@ static void judge_panels(report *r)
                  "connected; check both cables");
 }
 
-static void judge_calibrations(report *r)
+static void judge_calibrations(const report *r)
 {
     int n_sound = 0;
     for (int i = 0; i < r->facts->n_found; i++) {
@@ -235,13 +243,32 @@ static void judge_calibrations(report *r)
                  "none was found; connect the panel's USB cable too, or pass --calibration FILE");
 }
 
-bool lf_doctor_judge(const lf_doctor_facts *facts, FILE *out)
+void lf_doctor_judge(const lf_doctor_facts *facts, lf_doctor_tell_fn tell, void *context)
 {
-    report r = {.facts = facts, .out = out};
+    const report r = {.facts = facts, .tell = tell, .context = context};
     judge_daemon(&r);
     judge_system(&r);
     judge_service(&r);
     judge_panels(&r);
     judge_calibrations(&r);
-    return !r.failed;
+}
+
+const char *lf_doctor_level_name(lf_doctor_level level)
+{
+    static const char *const names[] = {"ok", "note", "fail"};
+    return names[level];
+}
+
+static void add_finding(void *context, lf_doctor_level level, const char *text)
+{
+    json_array_append_new(context, json_pack("{s:s, s:o}", "level", lf_doctor_level_name(level),
+                                             "text", lf_rpc_text(text)));
+}
+
+json_t *lf_doctor_json(const lf_doctor_facts *facts)
+{
+    json_t *findings = json_array();
+    if (findings)
+        lf_doctor_judge(facts, add_finding, findings);
+    return findings;
 }

@@ -1,0 +1,302 @@
+#include "daemon/parts/play_list.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "base/thread.h"
+#include "daemon/parts/play_pace.h"
+
+struct lf_playlist {
+    lf_playlist_events events;
+    void *context;
+    lf_pace pace;
+    lf_playlist_entry *entries; /* owned */
+    int n, index;
+    bool playing, loop;
+    bool ended;   /* it has played its last entry */
+    bool wanted;  /* the current entry is to be loaded */
+    bool vain;    /* the load in progress is of an entry that is no longer current */
+    bool loaded;  /* the current entry */
+    bool timed;   /* its time runs … */
+    double since; /* … since then (lf_time_now) */
+    int step;     /* direction in which entries that fail are skipped */
+    int n_failed;
+};
+
+void lf_playlist_entries_free(lf_playlist_entry *entries, int n)
+{
+    for (int i = 0; i < n; i++)
+        lf_free(entries[i].file);
+    lf_free(entries);
+}
+
+lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
+{
+    return (lf_playlist_state){.entries = playlist->entries,
+                               .n = playlist->n,
+                               .index = playlist->index,
+                               .playing = playlist->playing,
+                               .loop = playlist->loop};
+}
+
+/* ------------------------------------------------------------------------------- its entries -- */
+
+static void halt(lf_playlist *playlist)
+{
+    playlist->playing = playlist->wanted = playlist->timed = false;
+    lf_pace_rest(&playlist->pace);
+}
+
+static void drop_load(lf_playlist *playlist)
+{
+    if (!playlist->pace.on_its_way || playlist->vain)
+        return;
+    playlist->vain = true;
+    playlist->events.vain(playlist->context);
+}
+
+/* Loads the current entry, after the load in progress. */
+static void load_wanted(lf_playlist *playlist)
+{
+    if (!playlist->wanted || playlist->pace.on_its_way)
+        return;
+    playlist->wanted = false;
+    playlist->pace.on_its_way =
+        playlist->events.due(playlist->context, playlist->entries[playlist->index].file);
+    if (!playlist->pace.on_its_way)
+        halt(playlist);
+}
+
+static void choose(lf_playlist *playlist, int index)
+{
+    playlist->index = index;
+    playlist->wanted = true;
+    playlist->loaded = playlist->timed = playlist->ended = false;
+    lf_pace_rest(&playlist->pace);
+    drop_load(playlist);
+    load_wanted(playlist);
+}
+
+/* -1: none. */
+static int neighbour(const lf_playlist *playlist, int step)
+{
+    const int index = playlist->index + step, n = playlist->n;
+    if (index >= 0 && index < n)
+        return index;
+    return playlist->loop ? (index + n) % n : -1;
+}
+
+/* ---------------------------------------------------------------------------------- its time -- */
+
+/* A loop of one entry stays. */
+static void set_timer(const lf_playlist *playlist)
+{
+    if (neighbour(playlist, 1) != playlist->index)
+        lf_pace_wake_at(&playlist->pace,
+                        playlist->since + playlist->entries[playlist->index].seconds);
+    else
+        lf_pace_rest(&playlist->pace);
+}
+
+/* Starts the time of the current entry when it is shown. */
+static void start_time(lf_playlist *playlist)
+{
+    if (!playlist->playing || !playlist->loaded || playlist->timed ||
+        !lf_pace_is_shown(&playlist->pace))
+        return;
+    playlist->timed = true;
+    playlist->since = lf_time_now();
+    set_timer(playlist);
+}
+
+static void end(lf_playlist *playlist)
+{
+    halt(playlist);
+    playlist->ended = true;
+}
+
+static int on_time(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_playlist *playlist = context;
+    (void)source;
+    (void)usec;
+    const int next = neighbour(playlist, 1);
+    playlist->step = 1;
+    if (next >= 0)
+        choose(playlist, next);
+    else
+        end(playlist);
+    playlist->events.changed(playlist->context);
+    return 0;
+}
+
+void lf_playlist_shown(lf_playlist *playlist, int64_t generation, lf_level level)
+{
+    lf_pace_shown(&playlist->pace, generation, level);
+    start_time(playlist);
+}
+
+/* ---------------------------------------------------------------------------------- failures -- */
+
+static void tell_failure(lf_playlist *playlist, const lf_error *err)
+{
+    lf_playlist_entry *entry = &playlist->entries[playlist->index];
+    char text[sizeof *err + 32];
+    if (!entry->told)
+        lf_log(LF_LOG_WARNING, "playlist: entry %d is skipped: %s", playlist->index,
+               lf_error_format(err, text, sizeof text));
+    entry->told = true;
+}
+
+/* The next entry in the same direction, or at the first one forwards again. */
+static void skip(lf_playlist *playlist)
+{
+    int next = neighbour(playlist, playlist->step);
+    if (next < 0 && playlist->step < 0) {
+        playlist->step = 1;
+        next = neighbour(playlist, 1);
+    }
+    if (++playlist->n_failed >= playlist->n) {
+        lf_log(LF_LOG_WARNING, "playlist: none of its %d entries can be shown; it stops",
+               playlist->n);
+        halt(playlist);
+    } else if (next >= 0) {
+        choose(playlist, next);
+    } else {
+        end(playlist);
+    }
+    playlist->events.changed(playlist->context);
+}
+
+void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_error *err)
+{
+    lf_pace_loaded(&playlist->pace, generation);
+    if (playlist->vain) {
+        playlist->vain = false;
+        load_wanted(playlist);
+    } else if (err) {
+        tell_failure(playlist, err);
+        skip(playlist);
+    } else {
+        playlist->loaded = true;
+        playlist->entries[playlist->index].told = false;
+        playlist->n_failed = 0;
+        playlist->step = 1;
+        start_time(playlist);
+    }
+}
+
+/* --------------------------------------------------------------------------------- its owner -- */
+
+/* The entry with this file, at `index` if possible; -1: none. */
+static int find(const lf_playlist_entry *entries, int n, const char *file, int index)
+{
+    int at = 0;
+    if (index < n && strcmp(entries[index].file, file) == 0)
+        return index;
+    while (at < n && strcmp(entries[at].file, file) != 0)
+        at++;
+    return at < n ? at : -1;
+}
+
+/* The file of the current entry stays, with the new time. */
+static void keep(lf_playlist *playlist, int index)
+{
+    playlist->index = index;
+    if (playlist->timed)
+        set_timer(playlist);
+}
+
+static void forget(lf_playlist *playlist)
+{
+    halt(playlist);
+    drop_load(playlist);
+    playlist->index = 0;
+    playlist->loaded = playlist->ended = false;
+}
+
+void lf_playlist_set(lf_playlist *playlist, lf_playlist_entry *entries, int n, bool loop)
+{
+    const bool playing = playlist->playing;
+    const int same =
+        playing ? find(entries, n, playlist->entries[playlist->index].file, playlist->index) : -1;
+    lf_playlist_entries_free(playlist->entries, playlist->n);
+    playlist->entries = entries;
+    playlist->n = n;
+    playlist->loop = loop;
+    playlist->n_failed = 0;
+    if (same >= 0) {
+        keep(playlist, same);
+    } else {
+        forget(playlist);
+        playlist->playing = playing && n > 0;
+        if (playlist->playing)
+            choose(playlist, 0);
+    }
+    playlist->events.changed(playlist->context);
+}
+
+static void show(lf_playlist *playlist, int index, int step)
+{
+    playlist->step = step;
+    playlist->n_failed = 0;
+    choose(playlist, index);
+    playlist->events.changed(playlist->context);
+}
+
+void lf_playlist_play(lf_playlist *playlist, int index)
+{
+    if (index >= playlist->n || playlist->n == 0 || (index < 0 && playlist->playing))
+        return;
+    if (index < 0)
+        index = playlist->ended ? 0 : playlist->index;
+    if (!playlist->playing)
+        lf_log(LF_LOG_INFO, "playlist: plays %d entries", playlist->n);
+    playlist->playing = true;
+    show(playlist, index, 1);
+}
+
+void lf_playlist_stop(lf_playlist *playlist)
+{
+    const bool playing = playlist->playing;
+    halt(playlist);
+    drop_load(playlist);
+    if (!playing)
+        return;
+    lf_log(LF_LOG_INFO, "playlist: stopped at entry %d", playlist->index);
+    playlist->events.changed(playlist->context);
+}
+
+void lf_playlist_step(lf_playlist *playlist, int step)
+{
+    const int next = playlist->n > 0 ? neighbour(playlist, step) : -1;
+    if (next >= 0 && next != playlist->index)
+        show(playlist, next, step);
+}
+
+/* ------------------------------------------------------------------------------ construction -- */
+
+lf_status lf_playlist_create(sd_event *event, const lf_playlist_events *events, void *context,
+                             lf_playlist **out_playlist)
+{
+    lf_playlist *playlist = lf_calloc(1, sizeof *playlist);
+    if (!playlist)
+        return LF_E_NOMEM;
+    *playlist = (lf_playlist){.events = *events, .context = context, .loop = true, .step = 1};
+    if (lf_pace_init(&playlist->pace, event, on_time, playlist) != LF_OK) {
+        lf_free(playlist);
+        return LF_E_NOMEM;
+    }
+    *out_playlist = playlist;
+    return LF_OK;
+}
+
+void lf_playlist_destroy(lf_playlist *playlist)
+{
+    if (!playlist)
+        return;
+    lf_pace_finish(&playlist->pace);
+    lf_playlist_entries_free(playlist->entries, playlist->n);
+    lf_free(playlist);
+}

@@ -1,0 +1,108 @@
+/* The method doctor, against what quiltctl doctor says of the same machine. */
+#include "tests/daemon/live.h"
+
+static json_t *findings_of(json_t *answer)
+{
+    json_t *findings = json_object_get(json_object_get(answer, "result"), "findings");
+    assert_true(json_is_array(findings));
+    json_incref(findings);
+    json_decref(answer);
+    return findings;
+}
+
+static const char *text_of(const json_t *finding, const char *key)
+{
+    const char *text = json_string_value(json_object_get(finding, key));
+    assert_non_null(text);
+    return text;
+}
+
+/* Reads the next finding of quiltctl that a daemon makes, too; false: there is none. */
+static bool next_of_quiltctl(FILE *log, char *line, int size)
+{
+    while (fgets(line, size, log)) {
+        line[strcspn(line, "\n")] = '\0';
+        if ((strncmp(line, "ok    ", 6) == 0 || strncmp(line, "note  ", 6) == 0 ||
+             strncmp(line, "FAIL  ", 6) == 0) &&
+            strncmp(line + 6, "service: ", 9) != 0)
+            return true;
+    }
+    return false;
+}
+
+static void the_findings_are_those_of_quiltctl(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    char line[2048];
+    live_prepare(&l);
+    live_start(&l, NULL, "--device", l.sim, NULL);
+    live_connect(&l, &c);
+    json_t *findings = findings_of(live_call(&c, "doctor", NULL)), *finding;
+    const int code = live_run(&l, "quiltctl", "--socket", l.socket, "doctor", NULL);
+    FILE *log = fopen(l.log, "r");
+    size_t i;
+    bool failed = false;
+    assert_non_null(log);
+    json_array_foreach(findings, i, finding)
+    {
+        const char *level = text_of(finding, "level"), *text = text_of(finding, "text");
+        assert_true(next_of_quiltctl(log, line, sizeof line));
+        assert_string_equal(line + 6, text);
+        assert_int_equal(strncasecmp(line, level, strlen(level)), 0);
+        failed = failed || strcmp(level, "fail") == 0;
+    }
+    assert_false(next_of_quiltctl(log, line, sizeof line));
+    assert_int_equal(code, failed ? 1 : 0);
+    fclose(log);
+    assert_string_equal(text_of(json_array_get(findings, 0), "level"), "ok");
+    assert_ptr_equal(
+        strstr(text_of(json_array_get(findings, 0), "text"), "daemon: idle, shows on "),
+        text_of(json_array_get(findings, 0), "text"));
+    assert_true(json_array_size(findings) > 3);
+    json_decref(findings);
+    live_close(&c);
+    live_finish(&l);
+}
+
+/* Calls that arrive while one is answered, some of a client that does not wait. */
+static void every_call_is_answered(void **state)
+{
+    (void)state;
+    enum { CALLS = 20 };
+    live l;
+    live_client c, gone;
+    live_prepare(&l);
+    live_start(&l, NULL, "--device", "none", NULL);
+    live_connect(&l, &c);
+    live_connect(&l, &gone);
+    live_ask(&gone, "doctor", NULL);
+    for (int i = 0; i < CALLS; i++) {
+        live_ask(&c, "doctor", NULL);
+        live_ask(&gone, "doctor", NULL);
+    }
+    live_close(&gone);
+    json_t *first = NULL;
+    for (int i = 0; i < CALLS; i++) {
+        json_t *findings = findings_of(live_receive(&c));
+        if (!first)
+            first = json_incref(findings);
+        assert_true(json_equal(findings, first));
+        json_decref(findings);
+    }
+    json_decref(first);
+    /* the end does not wait for the next */
+    live_ask(&c, "doctor", NULL);
+    live_close(&c);
+    live_finish(&l);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_findings_are_those_of_quiltctl),
+        cmocka_unit_test(every_call_is_answered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,529 @@
+/* The slideshow without a server, by a clock of the test's own (wrap_test_playlist): which files
+ * are asked for, and when. */
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "base/thread.h"
+#include "daemon/parts/play_list.h"
+
+static double clock_now, woken_in; /* seconds; below 0: no timer was set */
+
+double __wrap_lf_time_now(void);
+double __wrap_lf_time_now(void)
+{
+    return clock_now;
+}
+
+/* Timers are due at once, and tell how long they are. */
+int __real_sd_event_source_set_time_relative(sd_event_source *source, uint64_t usec);
+int __wrap_sd_event_source_set_time_relative(sd_event_source *source, uint64_t usec);
+int __wrap_sd_event_source_set_time_relative(sd_event_source *source, uint64_t usec)
+{
+    woken_in = (double)usec * 1e-6;
+    return __real_sd_event_source_set_time_relative(source, 0);
+}
+
+typedef struct owner {
+    sd_event *event;
+    lf_playlist *list;
+    char asked[16]; /* asked for last, and not looked at yet; "": nothing */
+    bool on_its_way, refuses;
+    int n_vain, n_changed;
+    int64_t generation;
+} owner;
+
+static bool on_due(void *context, const char *file)
+{
+    owner *o = context;
+    assert_string_equal(o->asked, "");
+    assert_false(o->on_its_way); /* one at a time */
+    if (o->refuses)
+        return false;
+    snprintf(o->asked, sizeof o->asked, "%s", file);
+    o->on_its_way = true;
+    return true;
+}
+
+static void on_vain(void *context)
+{
+    owner *o = context;
+    assert_true(o->on_its_way);
+    o->n_vain++;
+}
+
+static void on_changed(void *context)
+{
+    owner *o = context;
+    o->n_changed++;
+}
+
+static int set_up(void **state)
+{
+    static const lf_playlist_events events = {
+        .due = on_due, .vain = on_vain, .changed = on_changed};
+    owner *o = *state = calloc(1, sizeof *o);
+    assert_non_null(o);
+    clock_now = 1000;
+    woken_in = -1;
+    assert_true(sd_event_new(&o->event) >= 0);
+    lf_assert_ok(lf_playlist_create(o->event, &events, o, &o->list), NULL);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    owner *o = *state;
+    lf_playlist_destroy(o->list);
+    sd_event_unref(o->event);
+    free(o);
+    return 0;
+}
+
+/* Each letter is a file; entry i is shown for 1 + i seconds. */
+static void set(owner *o, const char *files, bool loop)
+{
+    const int n = (int)strlen(files);
+    lf_playlist_entry *entries = lf_calloc((size_t)n + 1, sizeof *entries);
+    assert_non_null(entries);
+    for (int i = 0; i < n; i++) {
+        const char name[2] = {files[i], '\0'};
+        entries[i] = (lf_playlist_entry){.file = lf_strdup(name), .seconds = 1 + i};
+    }
+    lf_playlist_set(o->list, entries, n, loop);
+}
+
+/* The file that was asked for since the last look. */
+static const char *asked(owner *o)
+{
+    char *file = lf_test_buffer();
+    snprintf(file, 16, "%s", o->asked);
+    o->asked[0] = '\0';
+    return file;
+}
+
+static void load(owner *o)
+{
+    assert_true(o->on_its_way);
+    o->on_its_way = false;
+    lf_playlist_loaded(o->list, ++o->generation, NULL);
+}
+
+static void fail_load(owner *o)
+{
+    lf_error err;
+    (void)lf_error_set(&err, LF_E_FORMAT, "file", "is damaged");
+    assert_true(o->on_its_way);
+    o->on_its_way = false;
+    lf_playlist_loaded(o->list, 0, &err);
+}
+
+static void show(owner *o, lf_level level)
+{
+    lf_playlist_shown(o->list, o->generation, level);
+}
+
+/* Expects this file, and shows it. */
+static void shows(owner *o, const char *file)
+{
+    assert_string_equal(asked(o), file);
+    load(o);
+    show(o, LF_LEVEL_COARSE);
+}
+
+/* Expects this file, which is damaged. */
+static void fails(owner *o, const char *file)
+{
+    assert_string_equal(asked(o), file);
+    fail_load(o);
+}
+
+/* The timer that was set; negative: none. */
+static double timer(void)
+{
+    double seconds = woken_in;
+    woken_in = -1;
+    return seconds;
+}
+
+/* Waits for the timer, which must be this long. */
+static void wait_for(owner *o, double seconds)
+{
+    double in = timer();
+    lf_assert_close(in, seconds, 0, 1e-5);
+    clock_now += in;
+    assert_true(sd_event_run(o->event, 0) >= 0);
+}
+
+static bool is_playing(const owner *o)
+{
+    return lf_playlist_now(o->list).playing;
+}
+
+static int index_of(const owner *o)
+{
+    return lf_playlist_now(o->list).index;
+}
+
+/* The log's lines with this text since the start of the program. */
+static int count_lines(const char *text)
+{
+    lf_log_line line;
+    int n = 0;
+    for (int64_t i = 1; i <= lf_log_last(); i++)
+        n += lf_log_line_at(i, &line) && strstr(line.text, text);
+    return n;
+}
+
+static void entries_come_in_turn_each_for_its_time(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", true);
+    assert_string_equal(asked(o), ""); /* until it is played */
+    lf_playlist_play(o->list, -1);
+    assert_true(is_playing(o));
+    for (int i = 0; i < 7; i++) {
+        const char name[2] = {(char)('a' + i % 3), '\0'};
+        shows(o, name);
+        assert_int_equal(index_of(o), i % 3);
+        assert_string_equal(asked(o), ""); /* not before its time */
+        wait_for(o, 1 + i % 3);
+    }
+}
+
+static void the_time_counts_from_the_first_coarse_frame(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", true);
+    lf_playlist_play(o->list, -1);
+    assert_string_equal(asked(o), "a");
+    clock_now += 50;
+    load(o);
+    clock_now += 50;
+    show(o, LF_LEVEL_NONE);
+    lf_playlist_shown(o->list, o->generation - 1, LF_LEVEL_CONVERGED); /* what was there before */
+    assert_true(timer() < 0);
+    show(o, LF_LEVEL_COARSE);
+    lf_assert_close(timer(), 1, 0, 1e-5);
+    clock_now += 0.5;
+    show(o, LF_LEVEL_COMPLETE);                                     /* the same image */
+    lf_playlist_shown(o->list, o->generation + 1, LF_LEVEL_COARSE); /* a camera move */
+    assert_true(timer() < 0);
+}
+
+static void a_frame_that_is_shown_before_the_load_is_told_counts(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", true);
+    lf_playlist_play(o->list, -1);
+    assert_string_equal(asked(o), "a");
+    lf_playlist_shown(o->list, o->generation + 1, LF_LEVEL_COARSE);
+    assert_true(timer() < 0);
+    load(o);
+    lf_assert_close(timer(), 1, 0, 1e-5);
+}
+
+static void without_loop_the_last_entry_is_the_end(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", false);
+    lf_playlist_play(o->list, -1);
+    shows(o, "a");
+    wait_for(o, 1);
+    shows(o, "b");
+    const int n = o->n_changed;
+    wait_for(o, 2);
+    assert_false(is_playing(o));
+    assert_int_equal(index_of(o), 1);
+    assert_int_equal(o->n_changed, n + 1);
+    assert_string_equal(asked(o), "");
+    lf_playlist_play(o->list, -1); /* from the start */
+    assert_string_equal(asked(o), "a");
+}
+
+static void a_loop_of_one_entry_is_loaded_once(void **state)
+{
+    owner *o = *state;
+    set(o, "a", true);
+    lf_playlist_play(o->list, -1);
+    shows(o, "a");
+    assert_true(timer() < 0);
+    assert_true(is_playing(o));
+    lf_playlist_step(o->list, 1);
+    assert_string_equal(asked(o), "");
+    set(o, "ab", true); /* another entry, and it goes on */
+    wait_for(o, 1);
+    assert_string_equal(asked(o), "b");
+}
+
+static void entries_that_fail_are_skipped_with_one_line_each(void **state)
+{
+    owner *o = *state;
+    const int before = count_lines("entry 1 is skipped: file: is damaged");
+    set(o, "abc", true);
+    lf_playlist_play(o->list, -1);
+    for (int i = 0; i < 3; i++) {
+        shows(o, "a");
+        wait_for(o, 1);
+        fails(o, "b");
+        shows(o, "c");
+        wait_for(o, 3);
+    }
+    assert_int_equal(count_lines("entry 1 is skipped: file: is damaged"), before + 1);
+    shows(o, "a");
+    wait_for(o, 1);
+    shows(o, "b"); /* mended, and damaged again */
+    wait_for(o, 2);
+    shows(o, "c");
+    wait_for(o, 3);
+    shows(o, "a");
+    wait_for(o, 1);
+    fails(o, "b");
+    assert_int_equal(count_lines("entry 1 is skipped: file: is damaged"), before + 2);
+}
+
+static void a_last_entry_that_fails_is_the_end(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", false);
+    lf_playlist_play(o->list, -1);
+    shows(o, "a");
+    wait_for(o, 1);
+    fails(o, "b");
+    assert_false(is_playing(o));
+    assert_string_equal(asked(o), "");
+}
+
+static void a_list_in_which_all_fail_stops_with_a_line(void **state)
+{
+    owner *o = *state;
+    for (int loop = 0; loop < 2; loop++) {
+        const int before = count_lines("none of its 3 entries can be shown");
+        set(o, "abc", loop);
+        lf_playlist_play(o->list, -1);
+        fails(o, "a");
+        fails(o, "b");
+        assert_true(is_playing(o));
+        fails(o, "c");
+        assert_false(is_playing(o));
+        assert_string_equal(asked(o), "");
+        assert_int_equal(count_lines("none of its 3 entries can be shown"), before + 1);
+    }
+}
+
+static void failures_count_only_one_after_another(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", true);
+    lf_playlist_play(o->list, -1);
+    for (int i = 0; i < 4; i++) {
+        fails(o, "a");
+        fails(o, "b");
+        shows(o, "c");
+        wait_for(o, 3);
+    }
+    assert_true(is_playing(o));
+}
+
+static void next_and_previous_step_and_wrap_only_in_a_loop(void **state)
+{
+    owner *o = *state;
+    for (int loop = 0; loop < 2; loop++) {
+        set(o, "", loop); /* stops */
+        set(o, "abc", loop);
+        lf_playlist_play(o->list, 0);
+        shows(o, "a");
+        lf_playlist_step(o->list, 1);
+        shows(o, "b");
+        lf_playlist_step(o->list, 1);
+        shows(o, "c");
+        timer();
+        lf_playlist_step(o->list, 1);
+        if (loop) {
+            shows(o, "a");
+            lf_playlist_step(o->list, -1);
+            shows(o, "c");
+        } else {
+            assert_string_equal(asked(o), "");
+            assert_true(timer() < 0); /* its time goes on */
+            assert_int_equal(index_of(o), 2);
+        }
+        assert_true(is_playing(o));
+        lf_playlist_play(o->list, 0);
+        shows(o, "a");
+        lf_playlist_step(o->list, -1);
+        assert_string_equal(asked(o), loop ? "c" : "");
+        if (o->on_its_way)
+            load(o);
+    }
+}
+
+static void a_step_back_skips_backwards(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", false);
+    lf_playlist_play(o->list, 2);
+    shows(o, "c");
+    lf_playlist_step(o->list, -1);
+    fails(o, "b");
+    shows(o, "a");
+    wait_for(o, 1); /* and forwards again by the clock */
+    assert_string_equal(asked(o), "b");
+    load(o);
+    lf_playlist_step(o->list, -1);
+    fails(o, "a"); /* nothing is before it */
+    assert_string_equal(asked(o), "b");
+}
+
+static void steps_work_while_it_is_stopped(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", false);
+    lf_playlist_step(o->list, 1);
+    shows(o, "b");
+    assert_true(timer() < 0);
+    assert_false(is_playing(o));
+    lf_playlist_step(o->list, -1);
+    shows(o, "a");
+    lf_playlist_play(o->list, -1); /* where it is */
+    shows(o, "a");
+    lf_assert_close(timer(), 1, 0, 1e-5);
+}
+
+static void what_is_stopped_stays(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", true);
+    lf_playlist_play(o->list, -1);
+    shows(o, "a");
+    assert_true(timer() > 0);
+    lf_playlist_stop(o->list);
+    assert_false(is_playing(o));
+    clock_now += 60;
+    assert_true(sd_event_run(o->event, 0) >= 0);
+    show(o, LF_LEVEL_CONVERGED);
+    assert_string_equal(asked(o), "");
+    lf_playlist_play(o->list, -1);
+    assert_string_equal(asked(o), "a");
+    lf_playlist_stop(o->list); /* while it loads */
+    assert_int_equal(o->n_vain, 1);
+    load(o);
+    show(o, LF_LEVEL_COARSE);
+    assert_true(timer() < 0);
+    assert_string_equal(asked(o), "");
+}
+
+static void a_load_that_is_no_longer_wanted_makes_room(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", true);
+    lf_playlist_play(o->list, -1);
+    assert_string_equal(asked(o), "a");
+    lf_playlist_step(o->list, 1);
+    lf_playlist_step(o->list, 1);
+    assert_int_equal(o->n_vain, 1);
+    assert_string_equal(asked(o), ""); /* one at a time */
+    const int lines = count_lines("is skipped");
+    fail_load(o); /* "a", cancelled */
+    assert_int_equal(count_lines("is skipped"), lines);
+    shows(o, "c");
+    wait_for(o, 3);
+}
+
+static void new_entries_keep_the_file_that_is_shown(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", true);
+    lf_playlist_play(o->list, 1);
+    shows(o, "b");
+    lf_assert_close(timer(), 2, 0, 1e-5);
+    clock_now += 1.5;
+    set(o, "xyzb", true); /* it is entry 3 now, for 4 seconds */
+    assert_string_equal(asked(o), "");
+    assert_int_equal(index_of(o), 3);
+    wait_for(o, 2.5);
+    shows(o, "x");
+    set(o, "uv", true); /* it is gone */
+    assert_true(is_playing(o));
+    shows(o, "u");
+    set(o, "vuu", true); /* the nearest of two */
+    assert_int_equal(index_of(o), 1);
+    set(o, "", true);
+    assert_false(is_playing(o));
+    assert_int_equal(lf_playlist_now(o->list).n, 0);
+    lf_playlist_play(o->list, -1);
+    lf_playlist_step(o->list, 1);
+    assert_string_equal(asked(o), "");
+}
+
+static void new_entries_while_one_loads(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", true);
+    lf_playlist_play(o->list, -1);
+    assert_string_equal(asked(o), "a");
+    set(o, "xa", true); /* still wanted */
+    assert_int_equal(o->n_vain, 0);
+    load(o);
+    assert_int_equal(index_of(o), 1);
+    show(o, LF_LEVEL_COARSE);
+    wait_for(o, 2);
+    assert_string_equal(asked(o), "x");
+    set(o, "yz", true);
+    assert_int_equal(o->n_vain, 1);
+    fail_load(o);
+    shows(o, "y");
+}
+
+static void what_cannot_be_asked_for_stops_it(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", true);
+    o->refuses = true;
+    lf_playlist_play(o->list, -1);
+    assert_false(is_playing(o));
+    lf_playlist_play(o->list, 2); /* no such entry */
+    assert_false(is_playing(o));
+}
+
+static void play_goes_on_or_to_an_entry(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", true);
+    lf_playlist_play(o->list, 1);
+    shows(o, "b");
+    const int n = o->n_changed;
+    lf_playlist_play(o->list, -1);
+    assert_string_equal(asked(o), "");
+    assert_int_equal(o->n_changed, n);
+    lf_playlist_play(o->list, 2);
+    assert_string_equal(asked(o), "c");
+    assert_int_equal(o->n_changed, n + 1);
+}
+
+#define list_test(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        list_test(entries_come_in_turn_each_for_its_time),
+        list_test(the_time_counts_from_the_first_coarse_frame),
+        list_test(a_frame_that_is_shown_before_the_load_is_told_counts),
+        list_test(without_loop_the_last_entry_is_the_end),
+        list_test(a_loop_of_one_entry_is_loaded_once),
+        list_test(entries_that_fail_are_skipped_with_one_line_each),
+        list_test(a_last_entry_that_fails_is_the_end),
+        list_test(a_list_in_which_all_fail_stops_with_a_line),
+        list_test(failures_count_only_one_after_another),
+        list_test(next_and_previous_step_and_wrap_only_in_a_loop),
+        list_test(a_step_back_skips_backwards),
+        list_test(steps_work_while_it_is_stopped),
+        list_test(what_is_stopped_stays),
+        list_test(a_load_that_is_no_longer_wanted_makes_room),
+        list_test(new_entries_keep_the_file_that_is_shown),
+        list_test(new_entries_while_one_loads),
+        list_test(what_cannot_be_asked_for_stops_it),
+        list_test(play_goes_on_or_to_an_entry),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
