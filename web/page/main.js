@@ -17,6 +17,7 @@ import { timeLeft } from "./words.js";
 
 const STATUS_MS = 1000;
 const rpc = new Rpc();
+globalThis.quiltd = rpc; // for the console: await quiltd.call("camera.orbit", { yaw: 15 })
 const notices = { link: "", trouble: "", scene: "", card: "" };
 let dismissed = ""; // the words that a person has taken away
 
