@@ -4,6 +4,7 @@
 #define LF_DAEMON_CTL_H
 
 #include <jansson.h>
+#include <stdio.h>
 
 #include "daemon/wire/rpc.h"
 
@@ -47,6 +48,11 @@ LF_NODISCARD lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err);
  * NULL: the defaults. False: a finding must be fixed. */
 bool lf_ctl_doctor(const char *socket);
 
+/* Prints a `status` for people: what is shown, progress, the panel, problems; at most 24 lines. */
+void lf_ctl_print_status(const json_t *status, FILE *out);
+/* Writes a duration for people into buf, in s, min or h; returns buf. */
+#define LF_CTL_TIME 32
+char *lf_ctl_time(double seconds, char buf[LF_CTL_TIME]);
 /* Prints a result for people: one "key  value" per line, nested keys as key.key, control characters
  * escaped. */
 void lf_ctl_print(const json_t *result);
