@@ -164,6 +164,35 @@ static void status_says_what_is_not_there(void **state)
     assert_null(strstr(text, "so far"));
 }
 
+/* The last line of doctor on a machine with so many calibrations that are wrong. */
+static const char *end_of_doctor(int n_wrong)
+{
+    lf_found found[3] = {{.problem = ""}};
+    const lf_error no_answer = {.what = "no quiltd answers"};
+    char *text = lf_test_buffer();
+    for (int i = 0; i < n_wrong; i++)
+        snprintf(found[i].problem, sizeof found[i].problem, "is wrong; use another");
+    FILE *out = fmemopen(text, PATH_MAX, "w");
+    assert_non_null(out);
+    assert_int_equal(lf_ctl_print_findings(&(lf_doctor_facts){.root = "/nowhere",
+                                                              .no_answer = &no_answer,
+                                                              .found = found,
+                                                              .n_found = n_wrong},
+                                           out),
+                     n_wrong);
+    fclose(out);
+    text[strlen(text) - 1] = '\0';
+    return strrchr(text, '\n') + 1;
+}
+
+static void doctor_ends_with_the_number_of_problems(void **state)
+{
+    (void)state;
+    assert_string_equal(end_of_doctor(0), "no problem found");
+    assert_string_equal(end_of_doctor(1), "1 problem found");
+    assert_string_equal(end_of_doctor(3), "3 problems found");
+}
+
 /* stdout of quiltctl with these words. */
 static const char *said(const char *words, int *out_code)
 {
@@ -263,6 +292,7 @@ int main(void)
         cmocka_unit_test(status_is_one_screen),
         cmocka_unit_test(status_says_what_is_not_there),
         cmocka_unit_test(all_is_for_status_alone),
+        cmocka_unit_test(doctor_ends_with_the_number_of_problems),
         cmocka_unit_test(a_method_has_help_without_a_daemon),
         cmocka_unit_test(hello_prints_the_words_that_are_allowed),
         cmocka_unit_test(watch_writes_a_line_where_stdout_is_no_terminal),
