@@ -17,6 +17,8 @@ export interface Calls {
       "methods"?: { [key: string]: unknown };
       /** notifications by name, each with summary, event (for subscribe) and params (JSON Schema) */
       "events"?: { [key: string]: unknown };
+      /** true: this connection may call only some of quiltd's methods */
+      "limited"?: boolean;
     };
   };
   /** return the state of the daemon */
@@ -119,6 +121,8 @@ export interface Calls {
       "error_estimate"?: number | null;
       /** 95 % upper bound of this error [relMSE] */
       "error_bound"?: number | null;
+      /** estimated rendering time until the error meets target_error [seconds] */
+      "seconds_left"?: number | null;
       /** error of the denoised image [relMSE] */
       "denoised_error"?: number | null;
       /** 95 % upper bound of this error [relMSE] */
@@ -404,6 +408,8 @@ export interface Calls {
       "views"?: number | { [key: string]: unknown };
       /** view cone: angle over which the cameras are spread, seen from the target [degrees] */
       "cone"?: number;
+      /** factor of the view cone in use, also of a panel's own; 0: all views are equal */
+      "depthiness"?: number;
       /** inclusive: the outermost cameras are at the ends of the cone; centred: half a spacing inside */
       "placement"?: "centred" | "inclusive";
       /** radius of each view's lens; 0: a pinhole, everything is sharp [scene units] */
@@ -852,6 +858,8 @@ export interface Calls {
       "job"?: number;
       /** file to be written; with fds the name of the call */
       "file"?: string;
+      /** print: whether the scene is too deep for the sheet */
+      "warnings"?: string[];
     };
   };
   /** cancel an export or a load */
@@ -1019,6 +1027,19 @@ export interface Calls {
       };
     };
   };
+  /** check what this machine needs to show an image on a panel */
+  "doctor": {
+    params: {};
+    result: {
+      /** what was found, in order */
+      "findings"?: {
+        /** ok: works; note: may matter; fail: must be fixed */
+        "level"?: string;
+        /** what was found and what to do, in one line */
+        "text"?: string;
+      }[];
+    };
+  };
   /** trigger the action of a panel button */
   "button": {
     params: {
@@ -1059,6 +1080,17 @@ export interface Calls {
     result: {
       /** events that this client now receives */
       "events"?: string[];
+    };
+  };
+  /** allow this connection only these methods from now on */
+  "rights.limit": {
+    params: {
+      /** methods that stay allowed; each must be allowed before */
+      "methods": string[];
+    };
+    result: {
+      /** methods that this connection may call now */
+      "methods"?: string[];
     };
   };
   /** shut down the daemon */
