@@ -419,6 +419,9 @@ typedef struct lf_print_run {
 /* Notes how much lf_print_write cuts from these views, how wide their borders are, and a scale
  * along the lenses over 2. print must have passed lf_print_check. */
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
+/* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
+ * cuts. print must have passed lf_print_check. */
+double lf_print_lenses(const lf_print *print);
 
 /* Interlaces and streams the TIFF to tiff->fd (seekable, empty), then writes the manifest JSON. The
  * caller commits both, or abandons both on failure. Memory in addition to the views is a few MB;

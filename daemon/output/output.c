@@ -49,7 +49,8 @@ char *lf_output_endings(const lf_output_kind *kind, char *buf, size_t size)
     buf[0] = '\0';
     for (int i = 0; kind->endings[i]; i++) {
         size_t used = strlen(buf);
-        snprintf(buf + used, size - used, "%s%s", i > 0 ? " or " : "", kind->endings[i]);
+        const char *between = i == 0 ? "" : kind->endings[i + 1] ? ", " : " or ";
+        snprintf(buf + used, size - used, "%s%s", between, kind->endings[i]);
     }
     return buf;
 }

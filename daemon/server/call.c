@@ -64,6 +64,15 @@ void lf_fail(lf_call *call, const lf_error *err, bool scene)
         lf_client_send(call->client, lf_rpc_error_of(call->id, err, scene));
 }
 
+char *lf_call_words(const char *method, const lf_error *err, char *buf, size_t size)
+{
+    char text[sizeof *err + 32];
+    bool named = strcmp(err->where, method) == 0;
+    snprintf(buf, size, "%s%s%s", named ? "" : method, named ? "" : ": ",
+             lf_error_format(err, text, sizeof text));
+    return buf;
+}
+
 lf_deferred *lf_defer(lf_call *call)
 {
     lf_deferred *deferred = lf_deferred_create(call->server->clients, call->client, call->id);

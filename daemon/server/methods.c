@@ -3,11 +3,6 @@
 
 static void do_request(lf_server *server, lf_client *client, const lf_rpc_request *request)
 {
-    lf_call call = {.server = server,
-                    .client = client,
-                    .id = request->id,
-                    .params = request->params,
-                    .method = request->method};
     lf_error err;
     int index = lf_rights_find(client, request->method, &err);
     if (index < 0) {
@@ -17,6 +12,11 @@ static void do_request(lf_server *server, lf_client *client, const lf_rpc_reques
         return;
     }
     const lf_method *method = lf_method_at(index);
+    lf_call call = {.server = server,
+                    .client = client,
+                    .id = request->id,
+                    .params = request->params,
+                    .method = method->name};
     const json_t *schema = lf_method_schema(index);
     if (lf_schema_check(schema, request->params, method->name, &err) != LF_OK ||
         lf_check_former(schema, request->params, method->name, &err) != LF_OK) {

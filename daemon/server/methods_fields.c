@@ -229,6 +229,7 @@ static const field fields[] = {
     {"export", "job", "integer", COUNT,
      "job number of the export; a notification reports its end"},
     {"export", "file", "string", NULL, "file to be written; with fds the name of the call"},
+    {"export", "warnings", "[string]", NULL, "print: whether the scene is too deep for the sheet"},
     {"job.cancel", NULL, NULL, NULL, NULL},
     {"device.list", "devices", "[@device]", NULL, "devices that can be opened"},
     {"device.list", "present", "@device", NULL, "device that is open"},

@@ -24,6 +24,9 @@ void lf_method_shutdown(lf_call *call);
 /* methods_scene.c */
 /* Queues a load that the call waits for; load NULL = out of memory. */
 void lf_method_queue(lf_call *call, lf_load *load);
+/* Destroys a load that was not queued and fails its call (lf_fail). Logs this, unless a parameter
+ * is wrong. */
+void lf_method_refuse(lf_call *call, lf_load *load, const lf_error *err, bool scene);
 /* The call's parameter "name" for what is sent instead of a file, or else this one; lf_free.
  * LF_E_ARG, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_method_name(const lf_call *call, const char *otherwise, char **out,

@@ -68,8 +68,7 @@ void lf_method_quilt_show(lf_call *call)
     lf_error err;
     lf_load *load = lf_load_create(LF_LOAD_FILE);
     if (load && take_quilt(call, load, &err) != LF_OK) {
-        lf_load_destroy(load);
-        lf_fail(call, &err, false);
+        lf_method_refuse(call, load, &err, false);
         return;
     }
     lf_method_queue(call, load);

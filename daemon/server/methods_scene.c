@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/server/methods_internal.h"
 
 void lf_method_queue(lf_call *call, lf_load *load)
@@ -16,7 +17,17 @@ void lf_method_queue(lf_call *call, lf_load *load)
         lf_load_destroy(load);
         return;
     }
+    load->job.method = call->method;
     lf_server_load(call->server, load, deferred);
+}
+
+void lf_method_refuse(lf_call *call, lf_load *load, const lf_error *err, bool scene)
+{
+    char text[LF_CALL_WORDS];
+    lf_load_destroy(load);
+    if (err->status != LF_E_ARG)
+        lf_log(LF_LOG_ERROR, "%s", lf_call_words(call->method, err, text, sizeof text));
+    lf_fail(call, err, scene);
 }
 
 /* ------------------------------------------------------------------------------- descriptors -- */
@@ -303,12 +314,10 @@ void lf_method_scene_load(lf_call *call)
     lf_error err;
     lf_load *load = lf_load_create(LF_LOAD_FILE);
     lf_status status = load ? take_load(call, load, &err) : LF_OK;
-    if (status != LF_OK) {
-        lf_load_destroy(load);
-        lf_fail(call, &err, status != LF_E_ARG);
-        return;
-    }
-    lf_method_queue(call, load);
+    if (status == LF_OK)
+        lf_method_queue(call, load);
+    else
+        lf_method_refuse(call, load, &err, status != LF_E_ARG);
 }
 
 static json_t *bounds_json(const lf_scene *scene)
@@ -348,8 +357,7 @@ void lf_method_scene_patch(lf_call *call)
     lf_error err;
     lf_load *load = lf_load_create(LF_LOAD_PATCH);
     if (load && take_passed(call, load, &err) != LF_OK) {
-        lf_load_destroy(load);
-        lf_fail(call, &err, false);
+        lf_method_refuse(call, load, &err, false);
         return;
     }
     if (load)

@@ -119,16 +119,47 @@ static void load_succeeded(lf_server *server, lf_load *load)
     lf_deferred_reply(load->deferred, load_answer(server, load));
 }
 
+/* The answer to a patch that failed. The file is as it was, so where only the document is wrong,
+ * the pointer says where. */
+static const char *patch_words(const lf_server *server, const lf_load *load, char *buf, size_t size)
+{
+    lf_error said = load->err, shown;
+    (void)lf_error_set(&shown, LF_OK, server->content ? server->content->file : "", "shown");
+    if (said.pointer[0] != '\0' && strcmp(said.where, shown.where) == 0) {
+        said.where[0] = '\0';
+        said.line = 0;
+    }
+    return lf_call_words(load->job.method, &said, buf, size);
+}
+
+static void call_failed(const lf_server *server, const lf_load *load)
+{
+    char text[LF_CALL_WORDS];
+    bool wrong = load->kind == LF_LOAD_FIT && load->status == LF_E_ARG; /* a parameter */
+    bool of_call = wrong || load->status == LF_E_STATE || load->status == LF_E_CANCELLED;
+    if (load->kind == LF_LOAD_PATCH)
+        patch_words(server, load, text, sizeof text);
+    else
+        lf_call_words(load->job.method, &load->err, text, sizeof text);
+    if (!wrong && load->status != LF_E_CANCELLED)
+        lf_log(LF_LOG_ERROR, "%s", text);
+    if (load->kind == LF_LOAD_PATCH)
+        lf_deferred_fail_saying(load->deferred, &load->err, !of_call, text);
+    else
+        lf_deferred_fail(load->deferred, &load->err, !of_call);
+}
+
 static void load_failed(lf_server *server, const lf_load *load)
 {
     bool ended = load->status == LF_E_CANCELLED && !atomic_load(&load->job.cancelled);
-    if (!load->deferred && !load->played && !load->job.listed && !ended) {
+    if (load->deferred) {
+        call_failed(server, load);
+        return;
+    }
+    if (!load->played && !load->job.listed && !ended) {
         lf_log_error(&load->err);
         server->error = load->err;
     }
-    bool of_call = load->status == LF_E_STATE || load->status == LF_E_CANCELLED ||
-                   (load->kind == LF_LOAD_FIT && load->status == LF_E_ARG);
-    lf_deferred_fail(load->deferred, &load->err, !of_call);
 }
 
 static void destroy_load(void *load)

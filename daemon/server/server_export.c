@@ -1,5 +1,6 @@
 /* Exports: checks the parameters of a call as far as possible before anything is written, and
  * reports jobs to clients (daemon/parts/jobs.h). */
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -38,6 +39,40 @@ static lf_status take_panel_words(const lf_server *server, lf_export *what, cons
     return status;
 }
 
+/* The depth of the shown scene in a print of its views: steps in lenses, between views of the
+ * print. False: unknown, or objects do not shift across the lenses. */
+static bool depth_on_print(const lf_content *content, const lf_print *print, lf_depth *out,
+                           int *out_lenses)
+{
+    if (!content || !content->has_depth || print->horizontal || print->n_views < 2)
+        return false;
+    lf_print laid = *print;
+    laid.view_aspect = content->layout.aspect;
+    const double lenses = lf_print_lenses(&laid);
+    const double of_views = (double)content->layout.n_views / print->n_views;
+    const double scale = of_views * lenses / content->layout.view_width;
+    *out = content->depth;
+    out->nearest_step *= scale;
+    out->farthest_step *= scale;
+    *out_lenses = (int)lenses;
+    return lf_depth_exceeds(out, &content->settings.camera, LF_DEPTH_PRINT);
+}
+
+/* The warnings of an answer: the scene may be too deep for the sheet. */
+static json_t *warnings_of(const lf_server *server, const lf_export *what)
+{
+    char words[LF_DEPTH_WORDS];
+    json_t *lines = json_array();
+    lf_depth depth;
+    int lenses;
+    if (what->kind && what->kind->check_print && !what->kind->is_drawn &&
+        depth_on_print(server->content, &what->print, &depth, &lenses))
+        (void)json_array_append_new(
+            lines,
+            json_string(lf_depth_words(&depth, lenses, LF_DEPTH_PRINT, words, sizeof words)));
+    return lines;
+}
+
 static lf_status take_print_words(const lf_server *server, lf_export *what, const json_t *params,
                                   lf_error *err)
 {
@@ -60,6 +95,11 @@ static lf_status take_print_words(const lf_server *server, lf_export *what, cons
     print->icc_roots = &server->roots;
     if (status == LF_OK)
         status = what->kind->check_print(print, NULL, err);
+    lf_depth depth;
+    int lenses;
+    if (status == LF_OK && !what->kind->is_drawn &&
+        depth_on_print(server->content, print, &depth, &lenses))
+        print->parallax_lenses = fmin(lf_depth_shift(&depth), lenses); /* for the manifest */
     return status;
 }
 
@@ -221,8 +261,9 @@ void lf_server_export(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
-    lf_reply(call, json_pack("{s:I, s:o}", "job", (json_int_t)++server->n_jobs, "file",
-                             lf_rpc_text(what.name ? what.name : what.file)));
+    lf_reply(call, json_pack("{s:I, s:o, s:o}", "job", (json_int_t)++server->n_jobs, "file",
+                             lf_rpc_text(what.name ? what.name : what.file), "warnings",
+                             warnings_of(server, &what)));
     lf_jobs_start(server->jobs);
 }
 

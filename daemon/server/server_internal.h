@@ -55,8 +55,8 @@ typedef struct lf_call {
     lf_client *client;
     const json_t *id; /* NULL: a notification */
     json_t *params;
-    const char *method;
-    bool answered; /* or deferred */
+    const char *method; /* static */
+    bool answered;      /* or deferred */
 } lf_call;
 
 typedef enum lf_life_phase {
@@ -301,6 +301,9 @@ void lf_reply(lf_call *call, json_t *result);
 /* Answers with a non-empty result and one more member, key, whose value is already JSON text. */
 void lf_reply_with(lf_call *call, json_t *result, const char *key, const char *text);
 void lf_fail(lf_call *call, const lf_error *err, bool scene);
+/* Writes "METHOD: WHERE: WHAT" into buf, with the method once; returns buf. */
+#define LF_CALL_WORDS (sizeof(lf_error) + 128)
+char *lf_call_words(const char *method, const lf_error *err, char *buf, size_t size);
 /* Defers the answer. NULL, and already answered: the client has too many open calls. */
 lf_deferred *lf_defer(lf_call *call);
 /* Logs former names of parameters (base/former.h). LF_E_ARG: a former name stands next to the

@@ -4,7 +4,9 @@
 #define LF_DAEMON_CTL_H
 
 #include <jansson.h>
+#include <stdio.h>
 
+#include "daemon/parts/doctor.h"
 #include "daemon/wire/rpc.h"
 
 typedef struct lf_ctl lf_ctl;
@@ -43,10 +45,18 @@ char *lf_ctl_watch_line(const json_t *status, char line[LF_CTL_LINE]);
  * prints it when the state changes and every 30 seconds. */
 LF_NODISCARD lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err);
 
-/* Checks this machine, panel and daemon and prints one line per finding, with the remedy. socket
- * NULL: the defaults. False: a finding must be fixed. */
+/* Checks this machine, panel and daemon and prints the findings. socket NULL: the defaults. False:
+ * a finding must be fixed. */
 bool lf_ctl_doctor(const char *socket);
+/* Prints one line per finding, with the remedy, and then how many findings must be fixed. Returns
+ * their number. */
+int lf_ctl_print_findings(const lf_doctor_facts *facts, FILE *out);
 
+/* Prints a `status` for people: what is shown, progress, the panel, problems; at most 24 lines. */
+void lf_ctl_print_status(const json_t *status, FILE *out);
+/* Writes a duration for people into buf, in s, min or h; returns buf. */
+#define LF_CTL_TIME 32
+char *lf_ctl_time(double seconds, char buf[LF_CTL_TIME]);
 /* Prints a result for people: one "key  value" per line, nested keys as key.key, control characters
  * escaped. */
 void lf_ctl_print(const json_t *result);

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "daemon/parts/doctor.h"
 #include "daemon/tools/ctl.h"
 
 enum { MAX_DEVICES = 32, MAX_FOUND = 32 };
@@ -62,17 +61,32 @@ static void ask_systemd(char *out, size_t size)
         (void)waitpid(pid, NULL, 0);
 }
 
+typedef struct findings {
+    FILE *out;
+    int n_problems;
+} findings;
+
 static void print_finding(void *context, lf_doctor_level level, const char *text)
 {
     static const char *const heads[] = {"ok   ", "note ", "FAIL "};
-    bool *sound = context;
-    *sound = *sound && level != LF_DOCTOR_FAIL;
-    printf("%s %s\n", heads[level], text);
+    findings *all = context;
+    all->n_problems += level == LF_DOCTOR_FAIL;
+    fprintf(all->out, "%s %s\n", heads[level], text);
+}
+
+int lf_ctl_print_findings(const lf_doctor_facts *facts, FILE *out)
+{
+    findings all = {.out = out};
+    lf_doctor_judge(facts, print_finding, &all);
+    if (all.n_problems == 0)
+        fprintf(out, "no problem found\n");
+    else
+        fprintf(out, "%d problem%s found\n", all.n_problems, all.n_problems == 1 ? "" : "s");
+    return all.n_problems;
 }
 
 bool lf_ctl_doctor(const char *socket)
 {
-    bool sound = true;
     lf_error no_answer = {0};
     lf_device_info devices[MAX_DEVICES];
     lf_found *found = lf_calloc(MAX_FOUND, sizeof *found);
@@ -89,8 +103,8 @@ bool lf_ctl_doctor(const char *socket)
         .n_found = found ? lf_find_all(found, MAX_FOUND) : 0,
         .unit = unit,
     };
-    lf_doctor_judge(&facts, print_finding, &sound);
+    const int n_problems = lf_ctl_print_findings(&facts, stdout);
     json_decref(status);
     lf_free(found);
-    return sound;
+    return n_problems == 0;
 }

@@ -176,7 +176,8 @@ lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result, lf_err
     if (status == LF_OK)
         status = publish(files, overwrite, err);
     if (status == LF_OK)
-        *out_result = json_pack("{s:s, s:s}", "kind", kind, "file", path);
+        *out_result = json_pack("{s:s, s:s, s:O*}", "kind", kind, "file", path, "warnings",
+                                json_object_get(result, "warnings"));
 end:
     if (files)
         abandon(files);

@@ -40,16 +40,21 @@ static void add(char *line, const char *words)
     lf_escape(line + used, LF_CTL_LINE - used, words);
 }
 
+char *lf_ctl_time(double seconds, char buf[LF_CTL_TIME])
+{
+    if (seconds < 90)
+        snprintf(buf, LF_CTL_TIME, "%.0f s", seconds);
+    else if (seconds < 5400)
+        snprintf(buf, LF_CTL_TIME, "%.0f min", seconds / 60);
+    else
+        snprintf(buf, LF_CTL_TIME, "%.1f h", seconds / 3600);
+    return buf;
+}
+
 static void add_time(char *line, double seconds)
 {
-    char words[32];
-    if (seconds < 90)
-        snprintf(words, sizeof words, "%.0f s", seconds);
-    else if (seconds < 5400)
-        snprintf(words, sizeof words, "%.0f min", seconds / 60);
-    else
-        snprintf(words, sizeof words, "%.1f h", seconds / 3600);
-    add(line, words);
+    char words[LF_CTL_TIME];
+    add(line, lf_ctl_time(seconds, words));
 }
 
 /* The last part of a path. */

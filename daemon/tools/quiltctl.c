@@ -16,7 +16,7 @@
 
 #define PROGRAM "quiltctl"
 
-enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_TIMEOUT };
+enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_ALL, OPTION_TIMEOUT };
 
 typedef enum format { FORMAT_TEXT, FORMAT_JSON, FORMAT_PROMETHEUS } format;
 
@@ -30,16 +30,15 @@ static const char *format_at(int index)
 static const lf_options_words words[] = {{"format", format_at}, {0}};
 
 static const struct option table[] = {
-    {"socket", required_argument, NULL, OPTION_SOCKET},
-    {"json", no_argument, NULL, OPTION_JSON},
-    {"format", required_argument, NULL, OPTION_FORMAT},
-    {"timeout", required_argument, NULL, OPTION_TIMEOUT},
-    {NULL, 0, NULL, 0},
+    {"socket", required_argument, NULL, OPTION_SOCKET},   {"json", no_argument, NULL, OPTION_JSON},
+    {"format", required_argument, NULL, OPTION_FORMAT},   {"all", no_argument, NULL, OPTION_ALL},
+    {"timeout", required_argument, NULL, OPTION_TIMEOUT}, {NULL, 0, NULL, 0},
 };
 
 typedef struct arguments {
     const char *socket;
     format format;
+    bool all;       /* every field of status */
     double timeout; /* seconds; 0 = none */
     const char *method;
     const char *file;   /* to be written (writes_file) or of quilt.show; NULL: another method */
@@ -75,6 +74,7 @@ static void print_help(void)
            "  --json                 print the result as JSON\n"
            "  --format FORMAT        print the result as text (default), json or prometheus\n"
            "                         (status only)\n"
+           "  --all                  print all fields of status, one per line\n"
            "  --timeout SECONDS      exit with status 1 if no answer arrives in "
            "time\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS
            "Exit status: 0; 1 if the daemon returned an error; 2 for wrong usage; 3 if no daemon "
@@ -102,6 +102,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return take_format(a, text, err);
     if (code == OPTION_SOCKET)
         a->socket = text;
+    else if (code == OPTION_ALL)
+        a->all = true;
     else
         a->format = FORMAT_JSON;
     return LF_OK;
@@ -143,7 +145,10 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
         a->file = *a->words++;
         a->n_words--;
     }
-    if (a->format == FORMAT_PROMETHEUS && strcmp(a->method, "status") != 0)
+    const bool of_status = strcmp(a->method, "status") == 0;
+    if (a->all && !of_status)
+        return lf_error_set(err, LF_E_ARG, "--all", "is only available for the method status");
+    if (a->format == FORMAT_PROMETHEUS && !of_status)
         return lf_error_set(err, LF_E_ARG, "--format",
                             "prometheus is only available for the method status");
     return LF_OK;
@@ -297,6 +302,8 @@ static void print_result(const arguments *a, const json_t *result)
         putchar('\n');
     } else if (strcmp(a->method, "hello") == 0) {
         lf_ctl_print_methods(result);
+    } else if (strcmp(a->method, "status") == 0 && !a->all) {
+        lf_ctl_print_status(result, stdout);
     } else if (strcmp(a->method, "scene.get") == 0) {
         json_dumpf(json_object_get(result, "scene"), stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');

@@ -270,25 +270,30 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 /* The kind whose endings fit OUT, among kinds that no option selects. */
 static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind, lf_error *err)
 {
-    char known[512] = "", endings[64];
+    const lf_output_kind *meant = NULL; /* by an option that is missing */
+    char endings[64];
     if (lf_output_fits(&lf_output_video, out)) {
         *out_kind = &lf_output_video;
         return LF_OK;
     }
     for (int i = 0; lf_output_kinds[i]; i++) {
         const lf_output_kind *kind = lf_output_kinds[i];
-        size_t used = strlen(known);
-        if (!kind->option && lf_output_fits(kind, out)) {
+        if (!lf_output_fits(kind, out))
+            continue;
+        if (!kind->option) {
             *out_kind = kind;
             return LF_OK;
         }
-        snprintf(known + used, sizeof known - used, "%s%s (%s%s%s)", used ? ", " : "",
-                 lf_output_endings(kind, endings, sizeof endings), kind->what,
-                 kind->option ? " with --" : "", kind->option ? kind->option : "");
+        meant = meant ? meant : kind;
     }
     if (lf_path_has_ending(out, ".gif"))
         return lf_error_set(err, LF_E_ARG, out, ".gif holds a loop of views; add --wiggle");
-    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
+    if (meant)
+        return lf_error_set(err, LF_E_ARG, out, "this is the name of %s; add --%s", meant->what,
+                            meant->option);
+    return lf_error_set(err, LF_E_ARG, out,
+                        "must end in %s for an image; quiltrender(1) has other outputs under OUT",
+                        lf_output_endings(&lf_output_quilt, endings, sizeof endings));
 }
 
 /* Determines the kind of OUT from the options and its ending. */

@@ -70,3 +70,10 @@ void lf_deferred_fail(lf_deferred *deferred, const lf_error *err, bool scene)
     if (deferred)
         send_answer(deferred, lf_rpc_error_of(deferred->id, err, scene));
 }
+
+void lf_deferred_fail_saying(lf_deferred *deferred, const lf_error *err, bool scene,
+                             const char *message)
+{
+    if (deferred)
+        send_answer(deferred, lf_rpc_error_saying(deferred->id, err, scene, message));
+}

@@ -20,5 +20,8 @@ size_t lf_deferred_bytes(const lf_deferred *deferred);
  * memory). */
 void lf_deferred_reply(lf_deferred *deferred, json_t *result);
 void lf_deferred_fail(lf_deferred *deferred, const lf_error *err, bool scene);
+/* The same with this message (lf_rpc_error_saying). */
+void lf_deferred_fail_saying(lf_deferred *deferred, const lf_error *err, bool scene,
+                             const char *message);
 
 #endif

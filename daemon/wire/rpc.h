@@ -59,6 +59,8 @@ json_t *lf_rpc_notification(const char *method, json_t *params);
  * - BUSY, STATE: -32000
  * - all others: -32603 */
 json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene);
+/* The same with a message of the caller's, for errors whose place the client knows otherwise. */
+json_t *lf_rpc_error_saying(const json_t *id, const lf_error *err, bool scene, const char *message);
 
 /* Checks params (an object) against a schema. Supports the part of JSON Schema that the methods
  * use: type (also a list), properties, required, enum, minimum, maximum, items, minItems, maxItems.

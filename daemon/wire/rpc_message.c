@@ -142,9 +142,8 @@ json_t *lf_rpc_text(const char *text)
     return plain;
 }
 
-json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene)
+json_t *lf_rpc_error_saying(const json_t *id, const lf_error *err, bool scene, const char *message)
 {
-    char text[sizeof err->where + sizeof err->pointer + sizeof err->what + 32];
     json_t *data = json_object();
     if (err->where[0] != '\0')
         json_object_set_new(data, "file", lf_rpc_text(err->where));
@@ -152,6 +151,11 @@ json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene)
         json_object_set_new(data, "line", json_integer(err->line));
     if (err->pointer[0] != '\0' || scene)
         json_object_set_new(data, "pointer", lf_rpc_text(err->pointer));
-    return lf_rpc_error(id, code_of(err->status, scene), lf_error_format(err, text, sizeof text),
-                        data);
+    return lf_rpc_error(id, code_of(err->status, scene), message, data);
+}
+
+json_t *lf_rpc_error_of(const json_t *id, const lf_error *err, bool scene)
+{
+    char text[sizeof *err + 32];
+    return lf_rpc_error_saying(id, err, scene, lf_error_format(err, text, sizeof text));
 }

@@ -151,6 +151,14 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
                       views->width, views->height, scale);
 }
 
+double lf_print_lenses(const lf_print *print)
+{
+    lf_print_shape shape;
+    lf_print_shape_of(print, &shape);
+    const lf_photo_place place = lay(print, &shape);
+    return (print->horizontal ? place.height : place.width) * print->lpi / 25.4;
+}
+
 void lf_print_source_finish(lf_print_source *source)
 {
     lf_axis_filter_finish(&source->across);

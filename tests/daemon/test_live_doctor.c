@@ -30,6 +30,20 @@ static bool next_of_quiltctl(FILE *log, char *line, int size)
     return false;
 }
 
+/* The last line of quiltctl doctor, which has failed so many lines. */
+static void check_last_line(const live *l)
+{
+    FILE *log = fopen(l->log, "r");
+    char line[2048] = "", expected[64];
+    int n = 0;
+    assert_non_null(log);
+    while (fgets(line, sizeof line, log))
+        n += strncmp(line, "FAIL  ", 6) == 0;
+    fclose(log);
+    snprintf(expected, sizeof expected, "%d problem%s found\n", n, n == 1 ? "" : "s");
+    assert_string_equal(line, n == 0 ? "no problem found\n" : expected);
+}
+
 static void the_findings_are_those_of_quiltctl(void **state)
 {
     (void)state;
@@ -56,6 +70,7 @@ static void the_findings_are_those_of_quiltctl(void **state)
     assert_false(next_of_quiltctl(log, line, sizeof line));
     assert_int_equal(code, failed ? 1 : 0);
     fclose(log);
+    check_last_line(&l);
     assert_string_equal(text_of(json_array_get(findings, 0), "level"), "ok");
     assert_ptr_equal(
         strstr(text_of(json_array_get(findings, 0), "text"), "daemon: idle, shows on "),

@@ -243,6 +243,9 @@ static void quiltctl_calls_and_prints(void **state)
     live_start(&l, l.scene, "--device", "none", NULL);
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "wait", "for=coarse", NULL), 0);
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "status", NULL), 0);
+    assert_true(live_logged(&l, "Problems and warnings"));
+    assert_false(live_logged(&l, "shown.generation"));
+    assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "status", "--all", NULL), 0);
     assert_true(live_logged(&l, "shown.generation"));
     assert_int_equal(
         live_run(&l, "quiltctl", "--socket", l.socket, "--json", "camera.orbit", "yaw=5", NULL), 0);

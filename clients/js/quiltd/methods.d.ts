@@ -858,6 +858,8 @@ export interface Calls {
       "job"?: number;
       /** file to be written; with fds the name of the call */
       "file"?: string;
+      /** print: whether the scene is too deep for the sheet */
+      "warnings"?: string[];
     };
   };
   /** cancel an export or a load */

@@ -13,7 +13,7 @@ settings() {
         '"viewCone":{"value":40},"DPI":{"value":324},"screenW":{"value":1536},"screenH":{"value":2048},"invView":{"value":1}}' \
         > /etc/quiltd-visual.json
 }
-on_display() { quiltctl status > status.log && grep -q 'drm:card0/Virtual-1' status.log; }
+on_display() { quiltctl status --all > status.log && grep -q 'drm:card0/Virtual-1' status.log; }
 shows() { on_display || { cat status.log; journalctl --no-pager -n 20 -u quiltd; }; }
 same_picture() {
     screendump service
@@ -21,7 +21,7 @@ same_picture() {
 }
 differs() { ! "$QUILTD_BUILD/tests/kernel/same_picture" /var/lib/quiltd/export/panel.png "$RESULTS/console.ppm" > same.log || cat same.log; }
 pictured() { within 60 same_picture || cat same.log; }
-present() { quiltctl status > status.log && grep -q "present *$1" status.log; } # true or false
+present() { quiltctl status --all > status.log && grep -q "present *$1" status.log; } # true or false
 unplugged() {
     echo off > /sys/class/drm/card0-Virtual-1/status
     echo change > /sys/class/drm/card0/uevent

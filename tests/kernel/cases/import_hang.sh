@@ -26,7 +26,7 @@ tell() {
     quiltctl status
     journalctl --no-pager -n 20 -u quiltd
 }
-reading() { quiltctl status > status.log && grep -q '^reading.file *.*m.ply' status.log; }
+reading() { quiltctl status --all > status.log && grep -q '^reading.file *.*m.ply' status.log; }
 hangs() { { within 60 reading && pgrep -f 'sleep 100017' > reader.pid; } || tell; }
 still_shows() { timeout 120 quiltctl wait for=complete generation=1 > /dev/null || tell; }
 stops() { # by itself

@@ -32,7 +32,7 @@ readers_are_locked() {
     printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' 'property float z' \
         'element face 1' 'property list uchar int vertex_indices' end_header '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' > /usr/share/quiltd/scenes/locked.ply
     timeout 120 quiltctl scene.load file=/usr/share/quiltd/scenes/locked.ply > load.log 2>&1 || cat load.log
-    quiltctl status > status.log 2>&1
+    quiltctl status --all > status.log 2>&1
     grep -q '^landlock  *on$' status.log || { grep '^landlock' status.log; cat /sys/kernel/security/lsm; }
     ! journalctl --no-pager -u quiltd | grep 'without Landlock'
 }
