@@ -298,7 +298,8 @@ static void on_text(void *context, const char *text, size_t n)
 
 static void limit_rights(lf_session *s)
 {
-    ask_daemon(s, lf_rights_line(s->rights), NULL, 0);
+    if (lf_rights_limit(s->link, s->rights) != LF_OK)
+        lf_ws_close(s->ws, LF_WS_INTERNAL, "out of memory");
 }
 
 /* True: the message is an answer to us. */
@@ -313,6 +314,8 @@ static bool take_own(lf_session *s, json_t *message)
         limit_rights(s);
     else if (rights == LF_RIGHTS_REFUSED)
         lf_ws_close(s->ws, LF_WS_INTERNAL, err.what);
+    else if (rights == LF_RIGHTS_DONE)
+        lf_link_go_on(s->link);
     else if (strcmp(id, OWN_IMAGE) == 0)
         take_image(s, message);
     else

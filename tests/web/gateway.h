@@ -41,7 +41,8 @@ typedef enum lf_gateway_rights {
     LF_RIGHTS_AGAINST,
 } lf_gateway_rights;
 void lf_gateway_set_rights(gateway *g, lf_gateway_rights rights);
-/* How many calls came on connections that had not called rights.limit first. */
+/* How many calls came on connections before their rights were limited, or rights.limit was unknown.
+ */
 int lf_gateway_unlimited(gateway *g);
 /* Makes the first file of the last export so large. */
 bool lf_gateway_grow_export(gateway *g, int64_t bytes);

@@ -212,6 +212,10 @@ static void a_quiltd_that_does_not_limit_rights_is_not_used(void **state)
     assert_int_equal(close_code(fd), 1011);
     close(fd);
     assert_int_equal(lf_caller_status(lf_caller_get(g, "GET /api/status HTTP/1.1", token)), 503);
+    assert_int_equal(lf_caller_status(lf_caller_get(g, "GET /preview.mjpg HTTP/1.1", token)), 503);
+    assert_int_equal(lf_caller_status(lf_caller_put(g, "/api/quilt?cols=1&rows=1", "x", 1)), 503);
+    assert_int_equal(lf_gateway_calls(g, "rights.limit"), 4);
+    assert_int_equal(lf_gateway_unlimited(g), 0); /* nothing else has come */
 }
 
 static void a_subscription_keeps_frames(void **state)
