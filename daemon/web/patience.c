@@ -20,6 +20,12 @@ static void arm(lf_patience *patience)
     sd_event_source_set_enabled(patience->timer, SD_EVENT_ONESHOT);
 }
 
+void lf_patience_end(lf_patience *patience)
+{
+    if (patience)
+        shutdown(patience->fd, SHUT_RDWR);
+}
+
 static int on_time(sd_event_source *source, uint64_t usec, void *context)
 {
     (void)source;
@@ -28,7 +34,7 @@ static int on_time(sd_event_source *source, uint64_t usec, void *context)
     if (patience->paced && patience->moved >= LF_PATIENCE_BYTES)
         arm(patience);
     else
-        shutdown(patience->fd, SHUT_RDWR);
+        lf_patience_end(patience);
     return 0;
 }
 

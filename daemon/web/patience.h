@@ -20,13 +20,15 @@ LF_NODISCARD lf_status lf_patience_create(sd_event *event, int fd, uint64_t usec
 /* Accepts NULL. */
 void lf_patience_destroy(lf_patience *patience);
 
-/* All that follow accept NULL: a connection for whose patience there was no memory.
+/* All that follow accept NULL.
  * From now on the connection has usec for all that follows. */
 void lf_patience_wait(lf_patience *patience, uint64_t usec);
 /* From now on LF_PATIENCE_BYTES must be moved in each period of usec. */
 void lf_patience_pace(lf_patience *patience, uint64_t usec);
 /* n bytes were moved. */
 void lf_patience_note(lf_patience *patience, size_t n);
+/* The connection has no time any more. */
+void lf_patience_end(lf_patience *patience);
 /* From now on somebody else looks after the connection. */
 void lf_patience_stop(lf_patience *patience);
 

@@ -58,6 +58,17 @@ static void accept_more(lf_web *web, bool more)
         sd_event_source_set_enabled(web->accept[i], more ? SD_EVENT_ON : SD_EVENT_OFF);
 }
 
+/* Somebody waits for a place: the oldest connection that has not asked for anything makes room. */
+static void make_room(lf_web *web)
+{
+    lf_visit *oldest = NULL;
+    for (lf_visit *v = web->visits; v; v = v->next)
+        oldest = v->asked ? oldest : v;
+    if (oldest)
+        lf_patience_end(oldest->patience);
+    accept_more(web, false); /* until one has ended */
+}
+
 /* One a turn. Above the limit, connections wait in the kernel. */
 static int on_accept(sd_event_source *source, int fd, uint32_t what, void *context)
 {
@@ -66,42 +77,78 @@ static int on_accept(sd_event_source *source, int fd, uint32_t what, void *conte
     lf_web *web = context;
     struct sockaddr_storage address = {0};
     socklen_t size = sizeof address;
+    if (web->counts.connections >= LF_WEB_MAX_CONNECTIONS) {
+        make_room(web);
+        return on_turn(web);
+    }
     int peer = accept4(fd, (struct sockaddr *)&address, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     const bool full = peer < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOMEM);
     if (peer >= 0) /* on failure it is closed */
         (void)MHD_add_connection(web->http, peer, (const struct sockaddr *)&address, size);
-    if (web->counts.connections >= LF_WEB_MAX_CONNECTIONS || (full && web->counts.connections > 0))
-        accept_more(web, false);
+    if (full && web->counts.connections > 0)
+        make_room(web);
     return on_turn(web);
 }
 
-/* The context of a connection is its patience. */
-static void on_connection(void *context, struct MHD_Connection *connection, void **patience,
+/* NULL: out of memory. */
+static lf_visit *begin_visit(lf_web *web, struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    lf_visit *new = info ? lf_calloc(1, sizeof *new) : NULL;
+    if (!new)
+        return NULL;
+    if (lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new->patience) !=
+        LF_OK) {
+        lf_free(new);
+        return NULL;
+    }
+    new->next = web->visits;
+    web->visits = new;
+    return new;
+}
+
+static void end_visit(lf_web *web, lf_visit *gone)
+{
+    for (lf_visit **at = &web->visits; *at; at = &(*at)->next) {
+        if (*at != gone)
+            continue;
+        *at = gone->next;
+        break;
+    }
+    lf_patience_destroy(gone->patience);
+    lf_free(gone);
+}
+
+/* The context of a connection is its visit. */
+static void on_connection(void *context, struct MHD_Connection *connection, void **visit,
                           enum MHD_ConnectionNotificationCode what)
 {
     lf_web *web = context;
-    lf_patience *new = NULL;
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
         web->counts.connections++;
-        if (info &&
-            lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new) == LF_OK)
-            *patience = new;
+        *visit = begin_visit(web, connection);
         return;
     }
     web->counts.connections--;
-    lf_patience_destroy(*patience);
-    *patience = NULL;
+    if (*visit)
+        end_visit(web, *visit);
+    *visit = NULL;
     if (!web->ending)
         accept_more(web, true);
 }
 
-lf_patience *lf_request_patience(struct MHD_Connection *connection)
+static lf_visit *visit_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info ? info->socket_context : NULL;
+}
+
+lf_patience *lf_request_patience(struct MHD_Connection *connection)
+{
+    const lf_visit *visit = visit_of(connection);
+    return visit ? visit->patience : NULL;
 }
 
 /* ---------------------------------------------------------------------------------- requests -- */
@@ -185,8 +232,10 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     (void)version;
     lf_web *web = context;
     lf_request *r = *out_request;
-    if (web->ending)
+    lf_visit *visit = visit_of(connection);
+    if (web->ending || !visit)
         return MHD_NO;
+    visit->asked = true;
     if (!r) {
         enum MHD_Result result = begin_request(web, connection, path, method, &r);
         *out_request = r;

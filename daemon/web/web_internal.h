@@ -33,6 +33,7 @@
 #define LF_WEB_SLOW_S 60u
 
 typedef struct lf_seat lf_seat;
+typedef struct lf_visit lf_visit;
 typedef struct lf_request lf_request;
 
 struct lf_web {
@@ -48,12 +49,20 @@ struct lf_web {
     int listen_fd[LF_WEB_MAX_LISTENERS], n_listeners;
     lf_seat *seats;
     int n_seats;
+    lf_visit *visits; /* the newest */
     lf_request *requests;
     int n_fetches, n_streams;
     lf_uploads *uploads;
     lf_downloads *downloads;
     lf_web_counts counts;
     bool ending; /* nobody is let in any more */
+};
+
+/* A connection of HTTP. */
+struct lf_visit {
+    lf_visit *next; /* older */
+    lf_patience *patience;
+    bool asked; /* the headers of a request have come */
 };
 
 /* Who may ask. */

@@ -466,16 +466,22 @@ static lf_web *begin_web(void)
     return web;
 }
 
-/* A client that has sent its headers. */
-static int begin_client(const lf_web *web, const char *line, const char *headers)
+static int connect_client(const lf_web *web)
 {
     const struct sockaddr_in address = {.sin_family = AF_INET,
                                         .sin_port = htons((uint16_t)lf_web_port(web)),
                                         .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    char request[512];
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
     lf_clock_settle(event);
+    return fd;
+}
+
+/* A client that has sent its headers. */
+static int begin_client(const lf_web *web, const char *line, const char *headers)
+{
+    char request[512];
+    int fd = connect_client(web);
     const int n =
         snprintf(request, sizeof request,
                  "%s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n%s\r\n", line,
@@ -506,6 +512,30 @@ static void a_body_may_take_long_if_it_moves(void **state)
     assert_memory_equal(answer, "HTTP/1.1 201", 12);
     close(fast);
     close(slow);
+    lf_web_destroy(web);
+}
+
+/* Clients that only connect do not keep others out. */
+static void the_oldest_silent_connection_makes_room(void **state)
+{
+    (void)state;
+    lf_web *web = begin_web();
+    int fds[LF_WEB_MAX_CONNECTIONS];
+    char answer[64] = "";
+    fds[0] = begin_client(web, "PUT /api/upload?name=a", "Content-Length: 10\r\n");
+    for (int i = 1; i < LF_WEB_MAX_CONNECTIONS; i++)
+        fds[i] = connect_client(web);
+    for (int i = 0; i < LF_WEB_MAX_CONNECTIONS; i++)
+        assert_true(is_open(fds[i]));
+    int fd = begin_client(web, "GET /", "");
+    lf_clock_settle(event);
+    assert_true(recv(fd, answer, sizeof answer - 1, MSG_DONTWAIT) > 0);
+    assert_memory_equal(answer, "HTTP/1.1 200", 12);
+    for (int i = 0; i < LF_WEB_MAX_CONNECTIONS; i++) {
+        assert_int_equal(is_open(fds[i]), i != 1);
+        close(fds[i]);
+    }
+    close(fd);
     lf_web_destroy(web);
 }
 
@@ -546,6 +576,7 @@ int main(void)
         timed(a_stream_repeats_its_image),
         timed(a_repeat_waits_for_an_image_on_its_way),
         timed(a_body_may_take_long_if_it_moves),
+        timed(the_oldest_silent_connection_makes_room),
         timed(nobody_is_let_in_at_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
