@@ -272,6 +272,32 @@ static void downloads_have_a_limit_together(void **state)
     lf_downloads_destroy(downloads);
 }
 
+/* Its path is told to a client, so it stays; if there is no room for it, it is no download. */
+static void a_finished_export_does_not_make_room_for_others(void **state)
+{
+    (void)state;
+    lf_error err = {0};
+    lf_downloads *downloads = NULL;
+    json_t *files = NULL;
+    lf_download_read read, other;
+    n_over = 0;
+    lf_assert_ok(lf_downloads_create(event, 1000, &downloads, &err), &err);
+    const char *first = end_download(begin_download(downloads, "a.png", 300));
+    assert_true(lf_download_open(downloads, first, &read));
+    lf_download *large = begin_download(downloads, "b.png", 500);
+    const char *second = end_download(begin_download(downloads, "c.png", 400));
+    assert_int_equal(n_over, 1); /* b.png, which is being written, goes */
+    assert_true(lf_download_open(downloads, second, &other));
+    lf_download_close(&other);
+    large = begin_download(downloads, "d.png", 0);
+    assert_int_equal(ftruncate(lf_download_fd(large, 0), 800), 0);
+    lf_assert_status(lf_download_finish(large, &files, &err), LF_E_NOMEM, &err);
+    assert_null(files);
+    assert_int_equal(lf_downloads_bytes(downloads), 300);
+    lf_download_close(&read);
+    lf_downloads_destroy(downloads);
+}
+
 /* ------------------------------------------------------------------------------------ images -- */
 
 /* A quiltd that says what the test says: its listening socket, at a path in a folder. */
@@ -572,6 +598,7 @@ int main(void)
         timed(uploads_that_nobody_uses_are_dropped),
         timed(downloads_are_dropped_unless_they_are_read),
         timed(downloads_have_a_limit_together),
+        timed(a_finished_export_does_not_make_room_for_others),
         timed(a_slow_reader_gets_no_image),
         timed(a_stream_repeats_its_image),
         timed(a_repeat_waits_for_an_image_on_its_way),
