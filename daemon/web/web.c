@@ -181,13 +181,15 @@ static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_
 {
     if (needs == LF_NEEDS_TO_WRITE)
         return lf_guard_may_write(guard, headers);
-    return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers) ||
-           (needs == LF_NEEDS_TOKEN_OR_COOKIE && lf_guard_has_cookie(guard, headers));
+    if (needs == LF_NEEDS_TOKEN_OR_COOKIE)
+        return lf_guard_may_read(guard, headers);
+    return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers);
 }
 
 /* The headers are there: refuses the request, or makes *out of it. */
 static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection,
-                                     const char *path, const char *method, lf_request **out)
+                                     const lf_visit *visit, const char *path, const char *method,
+                                     lf_request **out)
 {
     lf_guard_request headers;
     const char *why = NULL;
@@ -195,6 +197,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     const lf_route *route = lf_route_find(path, method, &status);
     web->counts.requests++;
     lf_reply_read(connection, path, &headers);
+    headers.zero = visit->zero;
     headers.takes_body = route && route->has_body;
     headers.body_limit = web->upload_limit;
     const int refused = lf_guard_check(&web->guard, &headers, &why);
@@ -223,6 +226,16 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     return route->check ? route->check(r) : MHD_YES;
 }
 
+/* Before libmicrohttpd decodes the target. */
+static void *on_target(void *context, const char *target, struct MHD_Connection *connection)
+{
+    (void)context;
+    lf_visit *visit = visit_of(connection);
+    if (visit)
+        visit->zero = memmem(target, strcspn(target, "?"), "%00", 3);
+    return NULL; /* no request yet */
+}
+
 /* libmicrohttpd calls this once the headers are there, for the parts of a body, and again when an
  * answer may be made. */
 static enum MHD_Result on_request(void *context, struct MHD_Connection *connection,
@@ -237,7 +250,7 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
         return MHD_NO;
     visit->asked = true;
     if (!r) {
-        enum MHD_Result result = begin_request(web, connection, path, method, &r);
+        enum MHD_Result result = begin_request(web, connection, visit, path, method, &r);
         *out_request = r;
         return result;
     }
@@ -297,10 +310,11 @@ static lf_status start(lf_web *web, lf_error *err)
                            MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
     web->http = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, web, MHD_OPTION_EXTERNAL_LOGGER, on_log, web,
-        MHD_OPTION_CONNECTION_LIMIT, (unsigned)LF_WEB_MAX_CONNECTIONS,
-        MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES,
-        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection, web,
-        MHD_OPTION_NOTIFY_COMPLETED, on_completed, web, MHD_OPTION_END);
+        MHD_OPTION_URI_LOG_CALLBACK, on_target, NULL, MHD_OPTION_CONNECTION_LIMIT,
+        (unsigned)LF_WEB_MAX_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, web, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
+        web, MHD_OPTION_END);
     const union MHD_DaemonInfo *info =
         web->http ? MHD_get_daemon_info(web->http, MHD_DAEMON_INFO_EPOLL_FD) : NULL;
     if (!info)

@@ -63,6 +63,7 @@ struct lf_visit {
     lf_visit *next; /* older */
     lf_patience *patience;
     bool asked; /* the headers of a request have come */
+    bool zero;  /* the path of the request holds a zero byte */
 };
 
 /* Who may ask. */

@@ -98,12 +98,27 @@ static void files_of_a_folder_go_together(void **state)
 static void names_of_uploads_stay_in_their_folder(void **state)
 {
     gateway *g = *state;
-    static const char *const wrong[] = {
-        "name=",         "name=..",         "name=../a",        "name=a/../b",
-        "name=/a",       "name=a//b",       "name=a/",          "name=./a",
-        "name=a%0Ab",    "name=a%00b",      "name=%ff",         "",
-        "name=a&name=b", "name=a&x=1",      "name=a&folder=..", "name=a&folder=0123456789abcde",
-        "folder=0",      "name=%2e%2e%2fa", "name=a%7f",        "name=a&folder=0123456789ABCDEF"};
+    static const char *const wrong[] = {"name=",
+                                        "name=..",
+                                        "name=../a",
+                                        "name=a/../b",
+                                        "name=/a",
+                                        "name=a//b",
+                                        "name=a/",
+                                        "name=./a",
+                                        "name=a%0Ab",
+                                        "name=a%00b",
+                                        "name=%ff",
+                                        "",
+                                        "name%00x=a",
+                                        "name=a&name=b",
+                                        "name=a&x=1",
+                                        "name=a&folder=..",
+                                        "name=a&folder=0123456789abcde",
+                                        "folder=0",
+                                        "name=%2e%2e%2fa",
+                                        "name=a%7f",
+                                        "name=a&folder=0123456789ABCDEF"};
     char target[256], name[300];
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         snprintf(target, sizeof target, "/api/upload?%s", wrong[i]);
