@@ -11,6 +11,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "daemon/web/memory.h"
 #include "daemon/wire/rpc.h"
 
 /* Most that is read in a turn, so that one client does not hold up the others. */
@@ -245,6 +246,15 @@ void lf_link_go_on(lf_link *link)
 size_t lf_link_queued(const lf_link *link)
 {
     return link->queued;
+}
+
+void lf_link_waiting(const lf_link *link, int *fds, uint64_t *bytes)
+{
+    for (const outgoing *o = link->first; o; o = o->next) {
+        *fds += o->sent == 0 ? o->n_fds : 0;
+        for (int i = 0; i < o->n_fds; i++)
+            *bytes += lf_memory_bytes(o->fds[i]);
+    }
 }
 
 void lf_link_pause(lf_link *link, bool paused)

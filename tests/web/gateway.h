@@ -33,12 +33,14 @@ const char *lf_gateway_cookie(gateway *g);
 void lf_gateway_answer_images(gateway *g, bool answer);
 /* Another scene: its images have these columns. */
 void lf_gateway_set_columns(gateway *g, int columns);
-/* What it knows of rights.limit: all, nothing, all but the method doctor; or it refuses. */
+/* What it knows of rights.limit: all, nothing, all but the method doctor; or it refuses, or does
+ * not answer. */
 typedef enum lf_gateway_rights {
     LF_RIGHTS_KNOWN,
     LF_RIGHTS_UNKNOWN,
     LF_RIGHTS_LACKING,
     LF_RIGHTS_AGAINST,
+    LF_RIGHTS_SILENT,
 } lf_gateway_rights;
 void lf_gateway_set_rights(gateway *g, lf_gateway_rights rights);
 /* How many calls came on connections before their rights were limited, or rights.limit was unknown.
