@@ -10,7 +10,7 @@ struct lf_patience {
     sd_event_source *timer;
     uint64_t period_usec;
     size_t moved; /* in this period */
-    bool paced;
+    bool paced, over;
 };
 
 static void arm(lf_patience *patience)
@@ -22,8 +22,15 @@ static void arm(lf_patience *patience)
 
 void lf_patience_end(lf_patience *patience)
 {
-    if (patience)
-        shutdown(patience->fd, SHUT_RDWR);
+    if (!patience)
+        return;
+    patience->over = true;
+    shutdown(patience->fd, SHUT_RDWR);
+}
+
+bool lf_patience_is_over(const lf_patience *patience)
+{
+    return patience && patience->over;
 }
 
 static int on_time(sd_event_source *source, uint64_t usec, void *context)

@@ -29,6 +29,8 @@ void lf_patience_pace(lf_patience *patience, uint64_t usec);
 void lf_patience_note(lf_patience *patience, size_t n);
 /* The connection has no time any more. */
 void lf_patience_end(lf_patience *patience);
+/* Its time was over. False for NULL. */
+bool lf_patience_is_over(const lf_patience *patience);
 /* From now on somebody else looks after the connection. */
 void lf_patience_stop(lf_patience *patience);
 

@@ -280,7 +280,7 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
         *at = gone->next;
         break;
     }
-    web->n_fetches -= gone->fetch ? 1 : 0;
+    lf_route_leave_lane(gone);
     web->n_streams -= gone->stream ? 1 : 0;
     lf_fetch_destroy(gone->fetch);
     lf_stream_destroy(gone->stream);
@@ -400,6 +400,8 @@ void lf_web_destroy(lf_web *web)
     for (lf_request *r = web->requests; r; r = r->next) {
         if (r->fetch)
             lf_fetch_cancel(r->fetch);
+        if (r->waiting)
+            lf_request_resume(r);
         if (r->stream)
             lf_stream_end(r->stream);
     }

@@ -29,7 +29,8 @@ const char *lf_gateway_cookie(gateway *g);
 /* The false quiltd answers each call with {"method": NAME, "params"}, status with its state, and
  * frame.get with an image; scene.load, scene.patch and quilt.show say in "seen" what the passed
  * files are. It refuses quilts of 99 columns and thumbnails of /etc/passwd. Exports are jobs 1, 2 …
- * whose files hold "job 1 file 0". false: it answers no frame.get any more. */
+ * whose files hold "job 1 file 0". false: it answers no frame.get,
+ * library.thumbnail and quilt.show any more. */
 void lf_gateway_answer_images(gateway *g, bool answer);
 /* Another scene: its images have these columns. */
 void lf_gateway_set_columns(gateway *g, int columns);

@@ -308,7 +308,7 @@ static int listen_as_quiltd(const char *folder, char path[108])
     memcpy(address.sun_path, path, sizeof address.sun_path);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
-    assert_int_equal(listen(fd, 1), 0);
+    assert_int_equal(listen(fd, 16), 0);
     return fd;
 }
 
@@ -480,16 +480,21 @@ static void a_repeat_waits_for_an_image_on_its_way(void **state)
 
 /* ------------------------------------------------------------------------------- the gateway -- */
 
-static lf_web *begin_web(void)
+static lf_web *begin_web_for(const char *path)
 {
     lf_error err = {0};
     lf_web *web = NULL;
     int fd = -1;
     const lf_web_config config = {
-        .listen_fds = &fd, .n_listen_fds = 1, .socket = "/nowhere", .upload_limit = 1 << 20};
+        .listen_fds = &fd, .n_listen_fds = 1, .socket = path, .upload_limit = 1 << 20};
     lf_assert_ok(lf_web_listen("127.0.0.1:0", &fd, &err), &err);
     lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
     return web;
+}
+
+static lf_web *begin_web(void)
+{
+    return begin_web_for("/nowhere");
 }
 
 static int connect_client(const lf_web *web)
@@ -565,6 +570,38 @@ static void the_oldest_silent_connection_makes_room(void **state)
     lf_web_destroy(web);
 }
 
+/* Nobody waits any more for one whose time is over. */
+static void a_late_thumbnail_is_not_asked_for(void **state)
+{
+    (void)state;
+    enum { AT_ONCE = 4, ALL = 2 * AT_ONCE + 1 };
+    char *folder = lf_test_folder(), path[108], answer[16] = "";
+    int listener = listen_as_quiltd(folder, path), fds[ALL], quiltd, n = 0;
+    lf_web *web = begin_web_for(path);
+    for (int i = 0; i < ALL; i++) {
+        fds[i] = begin_client(web, "GET /api/thumbnail?file=/a", "");
+        lf_clock_settle(event);
+    }
+    lf_clock_pass(event, 8); /* the first ones are given up, and the next ones asked for */
+    for (int i = 0; i < AT_ONCE; i++) {
+        assert_int_equal(recv(fds[i], answer, 12, 0), 12);
+        assert_string_equal(answer, "HTTP/1.1 503");
+    }
+    lf_clock_pass(event, 8);
+    for (int i = AT_ONCE; i < ALL; i++)
+        assert_false(is_open(fds[i]));
+    while ((quiltd = accept(listener, NULL, NULL)) >= 0) {
+        close(quiltd);
+        n++;
+    }
+    assert_int_equal(n, 2 * AT_ONCE);
+    for (int i = 0; i < ALL; i++)
+        close(fds[i]);
+    lf_web_destroy(web);
+    close(listener);
+    lf_test_folder_remove(folder);
+}
+
 /* What has come but was not read at the end is not answered any more. */
 static void nobody_is_let_in_at_the_end(void **state)
 {
@@ -604,6 +641,7 @@ int main(void)
         timed(a_repeat_waits_for_an_image_on_its_way),
         timed(a_body_may_take_long_if_it_moves),
         timed(the_oldest_silent_connection_makes_room),
+        timed(a_late_thumbnail_is_not_asked_for),
         timed(nobody_is_let_in_at_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
