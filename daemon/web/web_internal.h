@@ -28,7 +28,8 @@
 #define LF_WEB_MAX_STREAMS 4
 /* A request has so long, except where pace or patience of its own are set. */
 #define LF_WEB_DEADLINE_USEC ((uint64_t)10000000)
-/* A client of a download or a stream has so long for LF_PATIENCE_BYTES. */
+/* A client of a download has so long for LF_PATIENCE_BYTES. Of a stream it has so long for what
+ * waits, and quiltd for the next image. */
 #define LF_WEB_SLOW_S 60u
 
 typedef struct lf_seat lf_seat;

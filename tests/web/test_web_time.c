@@ -91,6 +91,32 @@ static void a_paced_connection_has_so_long_for_each_part(void **state)
     close_pair(fds);
 }
 
+/* After the first minute what was moved needs a rate, too, and not only a part in each period. */
+static void a_paced_connection_needs_a_mean_rate(void **state)
+{
+    (void)state;
+    enum { PERIOD_S = 10, RATE = 65536 };
+    lf_patience *patience = NULL;
+    int fds[2];
+    make_pair(fds);
+    lf_assert_ok(lf_patience_create(event, fds[0], 1000000, &patience), NULL);
+    lf_patience_pace(patience, PERIOD_S * 1000000);
+    for (int i = 1; i <= 20; i++) { /* all that is due comes at the last moment */
+        lf_patience_note(patience, i > 6 ? PERIOD_S * RATE - LF_PATIENCE_BYTES : LF_PATIENCE_BYTES);
+        lf_patience_note(patience, i > 6 ? LF_PATIENCE_BYTES : 0);
+        lf_clock_pass(event, PERIOD_S);
+        assert_true(is_open(fds[1]));
+    }
+    for (int i = 0; i < 2; i++) { /* the parts of the first minute last for one period more */
+        assert_true(is_open(fds[1]));
+        lf_patience_note(patience, PERIOD_S * RATE / 2);
+        lf_clock_pass(event, PERIOD_S);
+    }
+    assert_false(is_open(fds[1]));
+    lf_patience_destroy(patience);
+    close_pair(fds);
+}
+
 static void a_stopped_patience_is_endless(void **state)
 {
     (void)state;
@@ -546,6 +572,133 @@ static void a_body_may_take_long_if_it_moves(void **state)
     lf_web_destroy(web);
 }
 
+/* A client of the web, behind which quiltd does what the test says. */
+typedef struct behind {
+    char *folder, path[108];
+    int listener, quiltd;
+    lf_web *web;
+} behind;
+
+static behind begin_behind(void)
+{
+    behind b = {.folder = lf_test_folder(), .quiltd = -1};
+    b.listener = listen_as_quiltd(b.folder, b.path);
+    b.web = begin_web_for(b.path);
+    return b;
+}
+
+static void end_behind(const behind *b)
+{
+    lf_web_destroy(b->web);
+    close(b->quiltd);
+    close(b->listener);
+    lf_test_folder_remove(b->folder);
+}
+
+/* A stream is repeated as long as quiltd answers, and ends if it does not. */
+static void a_stream_ends_with_a_quiltd_that_hangs(void **state)
+{
+    (void)state;
+    static const char answer[] =
+        "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:stream\",\"result\":{\"columns\":1,\"rows\":1,"
+        "\"views\":1,\"width\":2,\"height\":2,\"bytes\":5}}\n";
+    behind b = begin_behind();
+    int file = -1, fd = begin_client(b.web, "GET /preview.mjpg", "");
+    lf_clock_settle(event);
+    b.quiltd = accept(b.listener, NULL, NULL);
+    limit_rights(b.quiltd);
+    assert_non_null(strstr(hear(b.quiltd, &file), "frame.get"));
+    assert_int_equal(write(file, "image", 5), 5);
+    close(file);
+    say(b.quiltd, answer);
+    for (int s = 0; s <= 70; s += LF_STREAM_REPEAT_S) {
+        assert_true(drain(fd) > 0);
+        lf_clock_pass(event, LF_STREAM_REPEAT_S);
+    }
+    say(b.quiltd, "{\"jsonrpc\":\"2.0\",\"method\":\"frame\",\"params\":{}}\n");
+    assert_non_null(strstr(hear(b.quiltd, NULL), "frame.get")); /* and no answer */
+    (void)drain(fd);
+    for (int s = 0; s < 50; s += LF_STREAM_REPEAT_S)
+        lf_clock_pass(event, LF_STREAM_REPEAT_S);
+    assert_true(is_open(fd));
+    for (int s = 50; s < 70; s += LF_STREAM_REPEAT_S)
+        lf_clock_pass(event, LF_STREAM_REPEAT_S);
+    assert_false(is_open(fd));
+    close(fd);
+    end_behind(&b);
+}
+
+static void send_text(int fd, const char *text)
+{
+    enum { LENGTH = 200 };
+    char frame[8 + LENGTH + 1] = {'\x81', (char)(0x80 | 126), 0,
+                                  (char)LENGTH}; /* its mask is zero */
+    snprintf(frame + 8, LENGTH + 1, "%-*s", LENGTH, text);
+    assert_int_equal(send(fd, frame, 8 + LENGTH, MSG_NOSIGNAL), 8 + LENGTH);
+    lf_clock_settle(event);
+}
+
+/* The path of an export of so many bytes. */
+static const char *export_file(behind *b, off_t bytes)
+{
+    int file = -1, fd = begin_client(b->web, "GET /rpc",
+                                     "Upgrade: websocket\r\nConnection: Upgrade\r\n"
+                                     "Sec-WebSocket-Version: 13\r\n"
+                                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n");
+    static char text[4096];
+    lf_clock_settle(event);
+    b->quiltd = accept(b->listener, NULL, NULL);
+    limit_rights(b->quiltd);
+    send_text(fd,
+              "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"export\",\"params\":{\"kind\":\"still\","
+              "\"file\":\"a.png\"}}");
+    assert_non_null(strstr(hear(b->quiltd, &file), "\"export\""));
+    assert_int_equal(ftruncate(file, bytes), 0);
+    close(file);
+    say(b->quiltd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:export:1\",\"result\":{\"job\":1}}\n"
+                   "{\"jsonrpc\":\"2.0\",\"method\":\"export\",\"params\":{\"job\":1,"
+                   "\"state\":\"done\"}}\n");
+    char *path = NULL;
+    for (size_t used = 0; !path || !strchr(path, '"'); path = strstr(text, LF_DOWNLOADS_PREFIX)) {
+        const ssize_t n = recv(fd, text + used, sizeof text - 1 - used, 0);
+        assert_true(n > 0);
+        for (ssize_t i = 0; i < n; i++) /* heads of frames */
+            text[used + (size_t)i] = text[used + (size_t)i] ? text[used + (size_t)i] : ' ';
+        used += (size_t)n;
+        text[used] = '\0';
+    }
+    path[strcspn(path, "\"")] = '\0';
+    close(fd);
+    return path;
+}
+
+/* One that takes a part in each minute would hold a large file for days. */
+static void a_download_needs_a_mean_rate(void **state)
+{
+    (void)state;
+    enum { SIZE = 1 << 28, PERIODS = 60, PART = 1 << 20 };
+    static char part[PART];
+    char line[256];
+    behind b = begin_behind();
+    snprintf(line, sizeof line, "GET %s", export_file(&b, SIZE));
+    for (int fast = 1; fast >= 0; fast--) {
+        ssize_t n = 1;
+        size_t taken = 0;
+        int fd = begin_client(b.web, line, ""), periods = 0;
+        for (; periods < PERIODS && n > 0; periods++) {
+            for (int i = 0; i < (fast ? 16 : 1) && n > 0; i++) {
+                lf_clock_settle(event);
+                n = recv(fd, part, sizeof part, MSG_DONTWAIT);
+                taken += n > 0 ? (size_t)n : 0;
+            }
+            lf_clock_pass(event, 60);
+        }
+        assert_true(fast ? taken > SIZE : taken < SIZE / 2);
+        close(fd);
+    }
+    end_behind(&b);
+}
+
 /* Clients that only connect do not keep others out. */
 static void the_oldest_silent_connection_makes_room(void **state)
 {
@@ -630,6 +783,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         timed(a_connection_has_so_long_for_all),
         timed(a_paced_connection_has_so_long_for_each_part),
+        timed(a_paced_connection_needs_a_mean_rate),
         timed(a_stopped_patience_is_endless),
         timed(a_reader_has_to_take_a_part_of_what_waits),
         timed(uploads_that_nobody_uses_are_dropped),
@@ -641,6 +795,8 @@ int main(void)
         timed(a_repeat_waits_for_an_image_on_its_way),
         timed(a_body_may_take_long_if_it_moves),
         timed(the_oldest_silent_connection_makes_room),
+        timed(a_stream_ends_with_a_quiltd_that_hangs),
+        timed(a_download_needs_a_mean_rate),
         timed(a_late_thumbnail_is_not_asked_for),
         timed(nobody_is_let_in_at_the_end),
     };
