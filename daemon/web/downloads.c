@@ -242,7 +242,14 @@ lf_status lf_download_finish(lf_download *download, json_t **out_files, lf_error
         return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
     }
     download->over = NULL;
+    download->readers++; /* its path is told: others go before it */
     keep_limit(downloads);
+    download->readers--;
+    if (lf_downloads_bytes(downloads) > downloads->limit) {
+        json_decref(files);
+        lf_download_drop(download);
+        return lf_error_set(err, LF_E_NOMEM, where, LF_DOWNLOADS_TOO_LARGE);
+    }
     *out_files = files;
     return LF_OK;
 }

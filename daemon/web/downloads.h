@@ -52,7 +52,8 @@ LF_NODISCARD lf_status lf_download_create(lf_downloads *downloads, const char *c
 /* The file to be written; -1 after the last. It stays the download's. */
 int lf_download_fd(const lf_download *download, int i);
 /* quiltd has written the files: the store owns the export now. *out_files: an array of {name,
- * bytes, path}, a new reference. LF_E_NOMEM, also above the limit: the export is dropped. */
+ * bytes, path}, a new reference. LF_E_NOMEM, also if it finds no room because of
+ * others that are read: the export is dropped. */
 LF_NODISCARD lf_status lf_download_finish(lf_download *download, json_t **out_files, lf_error *err);
 /* Forgets an export that is not ready. Accepts NULL. */
 void lf_download_drop(lf_download *download);

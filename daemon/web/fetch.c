@@ -52,6 +52,8 @@ static void on_line(void *context, const char *line, size_t n)
     const lf_rights_answer rights = lf_rights_read(message, NULL, &fetch->error);
     if (rights == LF_RIGHTS_REFUSED)
         finish(fetch, LF_E_STATE);
+    else if (rights == LF_RIGHTS_DONE)
+        lf_link_go_on(fetch->link);
     else if (id && strcmp(id, ID) == 0 && fetch->status == LF_E_BUSY) {
         fetch->message = json_incref(message);
         finish(fetch, take_answer(fetch, message));
@@ -79,14 +81,6 @@ void lf_fetch_cancel(lf_fetch *fetch)
     finish(fetch, lf_error_set(&fetch->error, LF_E_CANCELLED, where, "quiltweb is ending"));
 }
 
-/* Sends a line, and frees it. NULL: out of memory. */
-static lf_status send_line(lf_link *link, char *line, int fd)
-{
-    lf_status status = line ? lf_link_send(link, line, strlen(line), fd) : LF_E_NOMEM;
-    free(line);
-    return status;
-}
-
 static lf_status begin(lf_fetch *fetch, sd_event *event, const char *socket,
                        const lf_fetch_call *call, lf_error *err)
 {
@@ -97,10 +91,11 @@ static lf_status begin(lf_fetch *fetch, sd_event *event, const char *socket,
     json_t *message = json_pack("{s:s, s:s, s:s, s:O*}", "jsonrpc", "2.0", "id", ID, "method",
                                 call->method, "params", call->params);
     json_t *methods = json_pack("[s]", call->method);
-    status = send_line(fetch->link, lf_rights_line(methods), -1);
+    char *line = message ? json_dumps(message, JSON_COMPACT) : NULL;
+    status = lf_rights_limit(fetch->link, methods);
     if (status == LF_OK)
-        status =
-            send_line(fetch->link, message ? json_dumps(message, JSON_COMPACT) : NULL, call->fd);
+        status = line ? lf_link_send(fetch->link, line, strlen(line), call->fd) : LF_E_NOMEM;
+    free(line);
     json_decref(methods);
     json_decref(message);
     if (status != LF_OK ||

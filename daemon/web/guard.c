@@ -27,17 +27,25 @@ lf_status lf_guard_set_public(lf_guard *guard, const char *origin, lf_error *err
     const bool is_https = strncmp(origin, https, scheme) == 0;
     const char *name = origin + (is_https ? scheme : 0);
     const size_t n = strspn(name, letters);
+    lf_guard named = *guard;
     uint64_t port = 0;
     const bool has_port = name[n] == ':';
-    if (!is_https || n == 0 || strlen(origin) >= sizeof guard->public_origin ||
-        (name[n] && !has_port) ||
-        (has_port && (!lf_whole_is(name + n + 1, &port) || port < 1 || port > 65535)))
+    if (!is_https || n == 0 || strchr(".-", name[0]) || strchr(".-", name[n - 1]) ||
+        strlen(origin) >= sizeof guard->public_origin || (name[n] && !has_port) ||
+        (has_port &&
+         (!lf_whole_is(name + n + 1, &port) || port < 1 || port > 65535 || name[n + 1] == '0')))
         return lf_error_set(err, LF_E_ARG, "--public",
                             "expects https://NAME or https://NAME:PORT, without a path, got \"%s\"",
                             origin);
     /* browsers leave out the port of https */
-    snprintf(guard->public_origin, sizeof guard->public_origin, "%.*s",
+    snprintf(named.public_origin, sizeof named.public_origin, "%.*s",
              (int)(port == 443 ? scheme + n : strlen(origin)), origin);
+    for (int i = 0; i < LF_GUARD_NAMES; i++)
+        if (strcmp(named.public_origin + scheme, guard->hosts[i]) == 0)
+            return lf_error_set(err, LF_E_ARG, "--public",
+                                "expects another name or port than quiltweb's own, got \"%s\"",
+                                origin);
+    *guard = named;
     return LF_OK;
 }
 
@@ -91,7 +99,7 @@ int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const
 {
     if (!is_our_host(guard, request))
         return refuse(421, "the Host header does not name this server", out_why);
-    if (request->target[0] != '/')
+    if (request->target[0] != '/' || request->zero)
         return refuse(400, "the target is not a path", out_why);
     if (request->encoded || request->lengths > 1)
         return refuse(400, "the length of the body is ambiguous", out_why);
@@ -121,11 +129,20 @@ bool lf_guard_has_cookie(const lf_guard *guard, const lf_guard_request *request)
     for (const char *at = request->cookie; at && *at;) {
         at += strspn(at, "; ");
         const size_t n = strcspn(at, ";");
-        if (n > length && at[length] == '=' && strncmp(at, guard->cookie, length) == 0)
-            return lf_secret_equals(&guard->session, at + length + 1, n - length - 1);
+        if (n > length && at[length] == '=' && strncmp(at, guard->cookie, length) == 0 &&
+            lf_secret_equals(&guard->session, at + length + 1, n - length - 1))
+            return true;
         at += n;
     }
     return false;
+}
+
+bool lf_guard_may_read(const lf_guard *guard, const lf_guard_request *request)
+{
+    const bool from_page =
+        request->sites == 0 || (request->sites == 1 && (strcmp(request->site, "same-origin") == 0 ||
+                                                        strcmp(request->site, "none") == 0));
+    return lf_guard_has_token(guard, request) || (from_page && lf_guard_has_cookie(guard, request));
 }
 
 bool lf_guard_may_write(const lf_guard *guard, const lf_guard_request *request)

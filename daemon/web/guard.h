@@ -15,9 +15,10 @@
  * a name, the text is the last and the count says so. */
 typedef struct lf_guard_request {
     const char *target; /* path without the query */
-    const char *host, *origin, *length, *cookie, *authorization;
-    int hosts, origins, lengths, cookies, authorizations;
-    bool encoded;        /* has a Transfer-Encoding */
+    const char *host, *origin, *length, *cookie, *authorization, *site;
+    int hosts, origins, lengths, cookies, authorizations, sites; /* site: Sec-Fetch-Site */
+    bool zero;                                                   /* the path holds a zero byte */
+    bool encoded;                                                /* has a Transfer-Encoding */
     bool takes_body;     /* the method of this path has a body … */
     uint64_t body_limit; /* … of so many bytes at most */
 } lf_guard_request;
@@ -37,12 +38,14 @@ typedef struct lf_guard {
 /* Draws both secrets for a server at this port. LF_E_IO. */
 LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
 
-/* Sets public_origin. LF_E_ARG: not https:// with a name in lower case, and perhaps a port. */
+/* Sets public_origin. LF_E_ARG: not https:// with a name in lower case, and perhaps a port; or it
+ * is one of `hosts`, whose pages come by http. */
 LF_NODISCARD lf_status lf_guard_set_public(lf_guard *guard, const char *origin, lf_error *err);
 
 /* 0, or the status of HTTP with which the request is refused; *out_why: a line for the body.
  * - 421: not exactly one Host with a name and port of ours
- * - 400: absolute target, two lengths, cookies or authorizations, a Transfer-Encoding
+ * - 400: absolute target, a zero byte in the path, two lengths, cookies or authorizations, a
+ * Transfer-Encoding
  * - 411: no length where a body is expected
  * - 413: a body where none is expected, or a longer one
  * - 403: an Origin that is not ours */
@@ -54,6 +57,11 @@ bool lf_guard_is_public(const lf_guard *guard, const lf_guard_request *request);
 bool lf_guard_has_token(const lf_guard *guard, const lf_guard_request *request);
 /* True if the request has the cookie of the session. */
 bool lf_guard_has_cookie(const lf_guard *guard, const lf_guard_request *request);
+/* True if the request may get an answer that is not for everybody: with the token, or with the
+ * cookie from our page. Browsers say in Sec-Fetch-Site whose page it is; without it, it may be
+ * ours.
+ */
+bool lf_guard_may_read(const lf_guard *guard, const lf_guard_request *request);
 /* True if the request may send a body: from our page with the cookie or the token, or from a
  * program (no Origin) with the token. lf_guard_check has passed. */
 bool lf_guard_may_write(const lf_guard *guard, const lf_guard_request *request);

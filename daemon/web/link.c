@@ -11,6 +11,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "daemon/web/memory.h"
 #include "daemon/wire/rpc.h"
 
 /* Most that is read in a turn, so that one client does not hold up the others. */
@@ -23,6 +24,7 @@ typedef struct outgoing {
     size_t n, sent;
     int *fds; /* [n_fds] go with the first byte */
     int n_fds;
+    bool ahead; /* of those that are held */
 } outgoing;
 
 struct lf_link {
@@ -33,14 +35,19 @@ struct lf_link {
     size_t queued;
     char *in; /* [size], of which `used` are read */
     size_t used, size;
-    bool paused, closed;
+    bool paused, held, closed;
 };
 
 static int on_io(sd_event_source *source, int fd, uint32_t what, void *context);
 
+static bool may_send(const lf_link *link)
+{
+    return link->first && (!link->held || link->first->ahead);
+}
+
 static void listen_for(lf_link *link)
 {
-    const uint32_t in = link->paused ? 0 : EPOLLIN, out = link->first ? EPOLLOUT : 0;
+    const uint32_t in = link->paused ? 0 : EPOLLIN, out = may_send(link) ? EPOLLOUT : 0;
     if (!link->closed)
         sd_event_source_set_io_events(link->io, in | out);
 }
@@ -156,7 +163,7 @@ static ssize_t send_part(lf_link *link, const outgoing *o)
 /* False: the connection broke. */
 static bool flush(lf_link *link)
 {
-    while (link->first) {
+    while (may_send(link)) {
         ssize_t n = send_part(link, link->first);
         if (n < 0)
             return errno == EAGAIN || errno == EINTR;
@@ -214,9 +221,40 @@ lf_status lf_link_send(lf_link *link, const char *text, size_t n, int fd)
     return lf_link_send_fds(link, text, n, &fd, fd >= 0 ? 1 : 0);
 }
 
+lf_status lf_link_send_ahead(lf_link *link, const char *text, size_t n)
+{
+    outgoing *o = link->closed ? NULL : make_line(text, n, NULL, 0);
+    if (!o)
+        return link->closed ? LF_OK : LF_E_NOMEM;
+    o->ahead = true;
+    o->next = link->first;
+    link->first = o;
+    if (!link->last)
+        link->last = o;
+    link->held = true;
+    link->queued += o->n;
+    listen_for(link);
+    return LF_OK;
+}
+
+void lf_link_go_on(lf_link *link)
+{
+    link->held = false;
+    listen_for(link);
+}
+
 size_t lf_link_queued(const lf_link *link)
 {
     return link->queued;
+}
+
+void lf_link_waiting(const lf_link *link, int *fds, uint64_t *bytes)
+{
+    for (const outgoing *o = link->first; o; o = o->next) {
+        *fds += o->sent == 0 ? o->n_fds : 0;
+        for (int i = 0; i < o->n_fds; i++)
+            *bytes += lf_memory_bytes(o->fds[i]);
+    }
 }
 
 void lf_link_pause(lf_link *link, bool paused)

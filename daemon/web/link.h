@@ -4,6 +4,7 @@
 #ifndef LF_DAEMON_WEB_LINK_H
 #define LF_DAEMON_WEB_LINK_H
 
+#include <stdint.h>
 #include <systemd/sd-event.h>
 
 #include "base/status.h"
@@ -35,8 +36,14 @@ LF_NODISCARD lf_status lf_link_send(lf_link *link, const char *text, size_t n, i
 #define LF_LINK_MAX_FDS 64
 LF_NODISCARD lf_status lf_link_send_fds(lf_link *link, const char *text, size_t n, const int *fds,
                                         int n_fds);
+/* As lf_link_send, without a descriptor, before all lines that wait. Those, and all that follow,
+ * wait until lf_link_go_on. */
+LF_NODISCARD lf_status lf_link_send_ahead(lf_link *link, const char *text, size_t n);
+void lf_link_go_on(lf_link *link);
 /* Bytes that wait to be sent. */
 size_t lf_link_queued(const lf_link *link);
+/* Adds the descriptors that wait to be sent, and the bytes of their files. */
+void lf_link_waiting(const lf_link *link, int *fds, uint64_t *bytes);
 /* Stops or continues reading; quiltd then keeps what it sends. */
 void lf_link_pause(lf_link *link, bool paused);
 

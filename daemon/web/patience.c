@@ -9,8 +9,9 @@ struct lf_patience {
     int fd;
     sd_event_source *timer;
     uint64_t period_usec;
-    size_t moved; /* in this period */
-    bool paced;
+    size_t moved;            /* in this period */
+    uint64_t all, past_usec; /* since the pace began: bytes; ended periods */
+    bool paced, over;
 };
 
 static void arm(lf_patience *patience)
@@ -20,15 +21,39 @@ static void arm(lf_patience *patience)
     sd_event_source_set_enabled(patience->timer, SD_EVENT_ONESHOT);
 }
 
+void lf_patience_end(lf_patience *patience)
+{
+    if (!patience)
+        return;
+    patience->over = true;
+    shutdown(patience->fd, SHUT_RDWR);
+}
+
+bool lf_patience_is_over(const lf_patience *patience)
+{
+    return patience && patience->over;
+}
+
+/* At the end of a period. */
+static bool has_pace(lf_patience *patience)
+{
+    const uint64_t free_usec = (uint64_t)LF_PATIENCE_FREE_S * 1000000;
+    patience->all += patience->moved;
+    patience->past_usec += patience->period_usec;
+    const uint64_t counted = patience->past_usec > free_usec ? patience->past_usec - free_usec : 0;
+    return patience->moved >= LF_PATIENCE_BYTES &&
+           patience->all >= counted / 1000000 * LF_PATIENCE_RATE;
+}
+
 static int on_time(sd_event_source *source, uint64_t usec, void *context)
 {
     (void)source;
     (void)usec;
     lf_patience *patience = context;
-    if (patience->paced && patience->moved >= LF_PATIENCE_BYTES)
+    if (patience->paced && has_pace(patience))
         arm(patience);
     else
-        shutdown(patience->fd, SHUT_RDWR);
+        lf_patience_end(patience);
     return 0;
 }
 
@@ -69,6 +94,7 @@ void lf_patience_pace(lf_patience *patience, uint64_t usec)
     if (!patience)
         return;
     patience->paced = true;
+    patience->all = patience->past_usec = 0;
     patience->period_usec = usec;
     arm(patience);
 }

@@ -8,8 +8,11 @@
 
 #include "base/status.h"
 
-/* What a client that sends or takes much has to move in each period. */
+/* What a client that sends or takes much has to move in each period … */
 #define LF_PATIENCE_BYTES ((size_t)65536)
+/* … and in the mean in each second after the first LF_PATIENCE_FREE_S. */
+#define LF_PATIENCE_RATE ((uint64_t)65536)
+#define LF_PATIENCE_FREE_S 60
 
 typedef struct lf_patience lf_patience;
 
@@ -20,13 +23,18 @@ LF_NODISCARD lf_status lf_patience_create(sd_event *event, int fd, uint64_t usec
 /* Accepts NULL. */
 void lf_patience_destroy(lf_patience *patience);
 
-/* All that follow accept NULL: a connection for whose patience there was no memory.
+/* All that follow accept NULL.
  * From now on the connection has usec for all that follows. */
 void lf_patience_wait(lf_patience *patience, uint64_t usec);
-/* From now on LF_PATIENCE_BYTES must be moved in each period of usec. */
+/* From now on LF_PATIENCE_BYTES must be moved in each period of usec, and LF_PATIENCE_RATE in the
+ * mean. */
 void lf_patience_pace(lf_patience *patience, uint64_t usec);
 /* n bytes were moved. */
 void lf_patience_note(lf_patience *patience, size_t n);
+/* The connection has no time any more. */
+void lf_patience_end(lf_patience *patience);
+/* Its time was over. False for NULL. */
+bool lf_patience_is_over(const lf_patience *patience);
 /* From now on somebody else looks after the connection. */
 void lf_patience_stop(lf_patience *patience);
 

@@ -25,12 +25,12 @@ static json_t *value_of(lf_query_type type, const char *text, size_t n)
     return lf_decimal_is(text, &number) ? json_real(number) : NULL;
 }
 
-static lf_status take(reading *r, const char *name, const char *text, size_t n)
+static lf_status take(reading *r, const char *name, size_t n_name, const char *text, size_t n)
 {
     const lf_query_key *key = r->keys;
     while (key->name && strcmp(key->name, name) != 0)
         key++;
-    if (!key->name)
+    if (!key->name || strlen(name) != n_name)
         return lf_error_set(r->err, LF_E_ARG, name, "no such parameter");
     if (json_object_get(r->params, key->param))
         return lf_error_set(r->err, LF_E_ARG, name, "stands twice in the query");
@@ -49,9 +49,8 @@ static enum MHD_Result on_value(void *context, enum MHD_ValueKind kind, const ch
                                 size_t n_name, const char *text, size_t n)
 {
     (void)kind;
-    (void)n_name;
     reading *r = context;
-    r->status = take(r, name, text, n);
+    r->status = take(r, name, n_name, text, n);
     return r->status == LF_OK ? MHD_YES : MHD_NO;
 }
 

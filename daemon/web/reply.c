@@ -21,7 +21,8 @@ static enum MHD_Result read_header(void *context, enum MHD_ValueKind kind, const
                 {"Origin", &r->origin, &r->origins},
                 {"Content-Length", &r->length, &r->lengths},
                 {"Cookie", &r->cookie, &r->cookies},
-                {"Authorization", &r->authorization, &r->authorizations}};
+                {"Authorization", &r->authorization, &r->authorizations},
+                {"Sec-Fetch-Site", &r->site, &r->sites}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         if (strcasecmp(key, rows[i].name) != 0)
             continue;

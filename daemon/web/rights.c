@@ -1,5 +1,6 @@
 #include "daemon/web/rights.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -7,14 +8,16 @@
 
 #define ID "quiltweb:rights"
 
-char *lf_rights_line(json_t *methods)
+lf_status lf_rights_limit(lf_link *link, json_t *methods)
 {
     json_t *call = methods ? json_pack("{s:s, s:s, s:s, s:{s:O}}", "jsonrpc", "2.0", "id", ID,
                                        "method", "rights.limit", "params", "methods", methods)
                            : NULL;
     char *line = call ? json_dumps(call, JSON_COMPACT) : NULL;
+    lf_status status = line ? lf_link_send_ahead(link, line, strlen(line)) : LF_E_NOMEM;
     json_decref(call);
-    return line;
+    free(line);
+    return status;
 }
 
 /* The method that an error points to; -1: none. */

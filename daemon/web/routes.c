@@ -16,27 +16,81 @@
 
 /* --------------------------------------------------------------------------- calls of quiltd -- */
 
+static const int places[LF_WEB_LANES] = {8, 4, 2};
+
 static void on_fetched(void *context)
 {
-    lf_request_resume(context);
+    lf_request *r = context;
+    lf_route_leave_lane(r);
+    lf_request_resume(r);
+}
+
+static bool is_full(const lf_request *r)
+{
+    return r->web->n_fetches[r->route->lane] >= places[r->route->lane];
+}
+
+/* Begins a fetch in the lane of the request. params: taken. */
+static lf_status ask(lf_request *r, const char *method, json_t *params, unsigned patience_s)
+{
+    lf_web *web = r->web;
+    const lf_fetch_call call = {
+        .method = method, .params = params, .fd = r->fd, .patience_s = patience_s};
+    r->status =
+        lf_fetch_create(web->event, web->socket, &call, on_fetched, r, &r->fetch, &r->error);
+    json_decref(params);
+    if (r->status != LF_OK)
+        return r->status;
+    r->lane = r->route->lane;
+    r->fetching = true;
+    web->n_fetches[r->lane]++;
+    return LF_OK;
+}
+
+static lf_status ask_thumbnail(lf_request *r)
+{
+    if (lf_patience_is_over(lf_request_patience(r->connection)))
+        r->status = lf_error_set(&r->error, LF_E_TIMEOUT, "quiltd", "no answer in time");
+    else
+        r->status = lf_memory_create(&r->fd, &r->error);
+    if (r->status != LF_OK)
+        return r->status;
+    return ask(r, "library.thumbnail", json_incref(r->query), PATIENCE_S);
+}
+
+/* The request that has waited longest; NULL: none waits. */
+static lf_request *find_waiting(const lf_web *web)
+{
+    lf_request *oldest = NULL;
+    for (lf_request *r = web->requests; r; r = r->next)
+        oldest = r->waiting ? r : oldest;
+    return oldest;
+}
+
+void lf_route_leave_lane(lf_request *r)
+{
+    lf_web *web = r->web;
+    lf_request *next;
+    if (!r->fetching)
+        return;
+    r->fetching = false;
+    web->n_fetches[r->lane]--;
+    while (!web->ending && (next = find_waiting(web)) && !is_full(next)) {
+        next->waiting = false;
+        if (ask_thumbnail(next) != LF_OK)
+            lf_request_resume(next);
+    }
 }
 
 enum MHD_Result lf_route_fetch(lf_request *r, const char *method, json_t *params,
                                unsigned patience_s)
 {
-    lf_web *web = r->web;
-    const lf_fetch_call call = {
-        .method = method, .params = params, .fd = r->fd, .patience_s = patience_s};
-    if (web->n_fetches >= LF_WEB_MAX_FETCHES) {
+    if (is_full(r)) {
         json_decref(params);
         return lf_request_refuse(r, 503, "too many requests");
     }
-    r->status =
-        lf_fetch_create(web->event, web->socket, &call, on_fetched, r, &r->fetch, &r->error);
-    json_decref(params);
-    if (r->status != LF_OK)
+    if (ask(r, method, params, patience_s) != LF_OK)
         return r->route->finish(r);
-    web->n_fetches++;
     MHD_suspend_connection(r->connection);
     return MHD_YES;
 }
@@ -124,10 +178,11 @@ static enum MHD_Result check_thumbnail(lf_request *r)
 
 static enum MHD_Result act_thumbnail(lf_request *r)
 {
-    r->status = lf_memory_create(&r->fd, &r->error);
-    if (r->status != LF_OK)
+    r->waiting = is_full(r);
+    if (!r->waiting && ask_thumbnail(r) != LF_OK)
         return r->route->finish(r);
-    return lf_route_fetch(r, "library.thumbnail", json_incref(r->query), PATIENCE_S);
+    MHD_suspend_connection(r->connection);
+    return MHD_YES;
 }
 
 static enum MHD_Result finish_thumbnail(lf_request *r)
@@ -204,6 +259,7 @@ static const lf_route routes[] = {
     {.path = "/api/thumbnail",
      .method = "GET",
      .needs = LF_NEEDS_TOKEN_OR_COOKIE,
+     .lane = LF_LANE_THUMBNAILS,
      .check = check_thumbnail,
      .act = act_thumbnail,
      .finish = finish_thumbnail},
@@ -221,6 +277,7 @@ static const lf_route routes[] = {
     {.path = "/api/quilt",
      .method = "PUT",
      .needs = LF_NEEDS_TO_WRITE,
+     .lane = LF_LANE_QUILTS,
      .has_body = true,
      .check = lf_put_check_quilt,
      .act = lf_put_quilt,

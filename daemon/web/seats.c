@@ -44,6 +44,15 @@ static void on_session_end(void *context, lf_session *session)
     leave(context);
 }
 
+static lf_uploads_passed sum_passed(void *context)
+{
+    const lf_web *web = context;
+    lf_uploads_passed sum = {0};
+    for (const lf_seat *seat = web->seats; seat; seat = seat->next)
+        lf_session_add_passed(seat->session, &sum);
+    return sum;
+}
+
 static void on_upgrade(void *context, struct MHD_Connection *connection, void *req,
                        const char *early, size_t n, MHD_socket fd,
                        struct MHD_UpgradeResponseHandle *handle)
@@ -53,7 +62,9 @@ static void on_upgrade(void *context, struct MHD_Connection *connection, void *r
     const lf_session_home home = {.event = web->event,
                                   .socket = web->socket,
                                   .uploads = web->uploads,
-                                  .downloads = web->downloads};
+                                  .downloads = web->downloads,
+                                  .passed = sum_passed,
+                                  .context = web};
     lf_error err = {0};
     const bool room = !web->ending && web->n_seats < LF_WEB_MAX_SESSIONS;
     lf_seat *new = room ? lf_calloc(1, sizeof *new) : NULL;

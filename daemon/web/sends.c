@@ -12,13 +12,6 @@
 #define BLOCK_BYTES LF_PATIENCE_BYTES
 #define SLOW_USEC ((uint64_t)LF_WEB_SLOW_S * 1000000)
 
-/* From now on a block has to go in each LF_WEB_SLOW_S. */
-static void go_slowly(struct MHD_Connection *connection)
-{
-    MHD_set_connection_option(connection, MHD_CONNECTION_OPTION_TIMEOUT, LF_WEB_SLOW_S);
-    lf_patience_wait(lf_request_patience(connection), SLOW_USEC);
-}
-
 /* --------------------------------------------------------------------------------- downloads -- */
 
 typedef struct sending {
@@ -30,7 +23,7 @@ static ssize_t read_download(void *context, uint64_t at, char *out, size_t n)
 {
     const sending *s = context;
     ssize_t got = pread(s->read.fd, out, n, (off_t)at);
-    lf_patience_wait(lf_request_patience(s->connection), SLOW_USEC);
+    lf_patience_note(lf_request_patience(s->connection), got > 0 ? (size_t)got : 0);
     return got > 0 ? got : MHD_CONTENT_READER_END_WITH_ERROR;
 }
 
@@ -60,7 +53,8 @@ enum MHD_Result lf_send_download(lf_request *r)
         return MHD_NO;
     }
     MHD_add_response_header(response, "Content-Disposition", disposition);
-    go_slowly(r->connection);
+    MHD_set_connection_option(r->connection, MHD_CONNECTION_OPTION_TIMEOUT, LF_WEB_SLOW_S);
+    lf_patience_pace(lf_request_patience(r->connection), SLOW_USEC);
     return lf_reply_send(r->connection, 200, response, "application/octet-stream");
 }
 
@@ -88,11 +82,15 @@ static ssize_t read_stream(void *context, uint64_t at, char *out, size_t n)
 {
     (void)at;
     lf_request *r = context;
+    lf_patience *patience = lf_request_patience(r->connection);
     const size_t got = lf_stream_read(r->stream, out, n);
-    if (got == 0 && lf_stream_status(r->stream, NULL) != LF_E_BUSY)
+    if (got > 0)
+        lf_patience_wait(patience, SLOW_USEC);
+    else if (lf_stream_status(r->stream, NULL) != LF_E_BUSY)
         return MHD_CONTENT_READER_END_OF_STREAM;
-    lf_patience_wait(lf_request_patience(r->connection), SLOW_USEC);
-    if (got == 0)
+    else if (lf_patience_is_over(patience))
+        return MHD_CONTENT_READER_END_WITH_ERROR;
+    else
         MHD_suspend_connection(r->connection); /* until the stream is ready */
     return (ssize_t)got;
 }
@@ -103,7 +101,8 @@ enum MHD_Result lf_send_stream_begun(lf_request *r)
     r->status = lf_stream_status(r->stream, &r->error);
     if (r->status != LF_E_BUSY)
         return lf_request_refuse(r, 503, r->error.what);
-    go_slowly(r->connection);
+    MHD_set_connection_option(r->connection, MHD_CONNECTION_OPTION_TIMEOUT, LF_WEB_SLOW_S);
+    lf_patience_wait(lf_request_patience(r->connection), SLOW_USEC);
     return lf_reply_send(
         r->connection, 200,
         MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, BLOCK_BYTES, read_stream, r, NULL),

@@ -31,6 +31,8 @@ struct lf_session {
     lf_ws *ws;
     lf_link *link;
     lf_uploads *uploads;
+    lf_session_passed_fn passed;
+    void *passed_context;
     lf_exports *exports;
     json_t *rights;        /* methods that the connection to quiltd is limited to */
     sd_event_source *reap; /* on once the session has ended */
@@ -104,8 +106,11 @@ static void pass_files(lf_session *s, const lf_rpc_request *request)
     int fds[LF_UPLOADS_A_CALL], n = 0;
     lf_error err = {0};
     const json_t *files = json_object_get(request->params, "files");
-    if (files && lf_uploads_take(s->uploads, files, fds, &n, &err) != LF_OK)
-        refuse(s, request, LF_RPC_INVALID_PARAMS, &err);
+    lf_uploads_passed passed = {0};
+    if (files)
+        passed = s->passed(s->passed_context);
+    if (files && lf_uploads_take(s->uploads, files, &passed, fds, &n, &err) != LF_OK)
+        refuse(s, request, err.status == LF_E_ARG ? LF_RPC_INVALID_PARAMS : LF_RPC_BUSY, &err);
     else
         pass_on(s, request, fds, n);
 }
@@ -298,7 +303,8 @@ static void on_text(void *context, const char *text, size_t n)
 
 static void limit_rights(lf_session *s)
 {
-    ask_daemon(s, lf_rights_line(s->rights), NULL, 0);
+    if (lf_rights_limit(s->link, s->rights) != LF_OK)
+        lf_ws_close(s->ws, LF_WS_INTERNAL, "out of memory");
 }
 
 /* True: the message is an answer to us. */
@@ -313,6 +319,8 @@ static bool take_own(lf_session *s, json_t *message)
         limit_rights(s);
     else if (rights == LF_RIGHTS_REFUSED)
         lf_ws_close(s->ws, LF_WS_INTERNAL, err.what);
+    else if (rights == LF_RIGHTS_DONE)
+        lf_link_go_on(s->link);
     else if (strcmp(id, OWN_IMAGE) == 0)
         take_image(s, message);
     else
@@ -409,6 +417,8 @@ static lf_status set_up(lf_session *s, const lf_session_home *home, int fd, cons
         .text = on_text, .flushed = on_flushed, .ended = on_ws_end, .context = s};
     const lf_exports_events exports = {.say = say, .ask = ask_daemon, .context = s};
     s->uploads = home->uploads;
+    s->passed = home->passed;
+    s->passed_context = home->context;
     s->preview.fd = -1;
     s->rights = all_rights();
     if (sd_event_add_defer(home->event, &s->reap, on_reap, s) < 0 ||
@@ -435,6 +445,12 @@ lf_status lf_session_create(const lf_session_home *home, int fd, const void *ear
     connect_daemon(s, home);
     *out = s;
     return LF_OK;
+}
+
+void lf_session_add_passed(const lf_session *session, lf_uploads_passed *passed)
+{
+    if (session->link)
+        lf_link_waiting(session->link, &passed->files, &passed->bytes);
 }
 
 void lf_session_on_end(lf_session *session, lf_session_ended_fn fn, void *context)

@@ -2,7 +2,6 @@
 
 #include <jansson.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -178,8 +177,11 @@ static void on_line(void *context, const char *line, size_t n)
     json_t *message = json_loadb(line, n, 0, NULL);
     const char *id = json_string_value(json_object_get(message, "id"));
     const char *method = json_string_value(json_object_get(message, "method"));
-    if (lf_rights_read(message, NULL, &stream->error) == LF_RIGHTS_REFUSED) {
+    const lf_rights_answer rights = lf_rights_read(message, NULL, &stream->error);
+    if (rights == LF_RIGHTS_REFUSED) {
         end(stream, LF_E_STATE);
+    } else if (rights == LF_RIGHTS_DONE) {
+        lf_link_go_on(stream->link);
     } else if (id && strcmp(id, ID) == 0) {
         take_image(stream, message);
     } else if (method && strcmp(method, "frame") == 0) {
@@ -206,14 +208,12 @@ static lf_status begin(lf_stream *stream, sd_event *event, const char *socket, l
     if (status != LF_OK)
         return status;
     json_t *methods = json_pack("[s, s]", "subscribe", "frame.get");
-    char *rights = lf_rights_line(methods);
-    const bool sent = rights && lf_link_send(stream->link, rights, strlen(rights), -1) == LF_OK &&
+    const bool sent = lf_rights_limit(stream->link, methods) == LF_OK &&
                       lf_link_send(stream->link, subscribe, strlen(subscribe), -1) == LF_OK &&
                       sd_event_add_time_relative(event, &stream->again, CLOCK_MONOTONIC, FIRST_USEC,
                                                  0, on_again, stream) >= 0 &&
                       sd_event_add_time_relative(event, &stream->pace, CLOCK_MONOTONIC, 0, 1,
                                                  on_pace, stream) >= 0;
-    free(rights);
     json_decref(methods);
     return sent ? LF_OK : lf_error_set(err, LF_E_NOMEM, where, "out of memory");
 }

@@ -282,13 +282,28 @@ static lf_status find_all(const lf_uploads *uploads, const json_t *paths,
     return LF_OK;
 }
 
-lf_status lf_uploads_take(lf_uploads *uploads, const json_t *paths, int out_fds[LF_UPLOADS_A_CALL],
-                          int *out_n, lf_error *err)
+/* What was passed stays in memory and in descriptors until quiltd reads it. */
+static lf_status check_passed(const lf_uploads *uploads, lf_upload *const taken[], int n,
+                              const lf_uploads_passed *passed, lf_error *err)
+{
+    uint64_t bytes = passed->bytes;
+    for (int i = 0; i < n; i++)
+        bytes += taken[i]->size;
+    if (passed->files + n <= LF_UPLOADS_MOST && bytes <= uploads->limit)
+        return LF_OK;
+    return lf_error_set(err, LF_E_BUSY, where,
+                        "quiltd has not yet taken the files passed before; try again later");
+}
+
+lf_status lf_uploads_take(lf_uploads *uploads, const json_t *paths, const lf_uploads_passed *passed,
+                          int out_fds[LF_UPLOADS_A_CALL], int *out_n, lf_error *err)
 {
     lf_upload *taken[LF_UPLOADS_A_CALL];
     const int n = (int)json_array_size(paths);
     int opened = 0;
     lf_status status = find_all(uploads, paths, taken, err);
+    if (status == LF_OK)
+        status = check_passed(uploads, taken, n, passed, err);
     while (status == LF_OK && opened < n) {
         status = copy_reader(taken[opened], &out_fds[opened], err);
         opened += status == LF_OK;

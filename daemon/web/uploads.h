@@ -58,10 +58,19 @@ LF_NODISCARD lf_status lf_upload_keep(lf_upload *upload, const char *folder, con
 /* "/upload/ID/NAME"; NULL: it does not wait yet. */
 const char *lf_upload_path(const lf_upload *upload);
 
+/* Files and their bytes that were taken, but are in memory because quiltd has not read them. */
+typedef struct lf_uploads_passed {
+    int files;
+    uint64_t bytes;
+} lf_uploads_passed;
+
 /* Takes the files with these paths ("/upload/ID/NAME", an array of strings), which then wait no
  * longer. The caller closes out_fds[*out_n]. LF_E_ARG: not such an array, more than
- * LF_UPLOADS_A_CALL, a path twice, or no such upload waits; then all are still there. */
+ * LF_UPLOADS_A_CALL, a path twice, or no such upload waits. LF_E_BUSY: with what was passed before
+ * they are more than LF_UPLOADS_MOST files, or more bytes than the limit. Then all are still there.
+ */
 LF_NODISCARD lf_status lf_uploads_take(lf_uploads *uploads, const json_t *paths,
+                                       const lf_uploads_passed *passed,
                                        int out_fds[LF_UPLOADS_A_CALL], int *out_n, lf_error *err);
 
 #endif

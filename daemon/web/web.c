@@ -58,6 +58,17 @@ static void accept_more(lf_web *web, bool more)
         sd_event_source_set_enabled(web->accept[i], more ? SD_EVENT_ON : SD_EVENT_OFF);
 }
 
+/* Somebody waits for a place: the oldest connection that has not asked for anything makes room. */
+static void make_room(lf_web *web)
+{
+    lf_visit *oldest = NULL;
+    for (lf_visit *v = web->visits; v; v = v->next)
+        oldest = v->asked ? oldest : v;
+    if (oldest)
+        lf_patience_end(oldest->patience);
+    accept_more(web, false); /* until one has ended */
+}
+
 /* One a turn. Above the limit, connections wait in the kernel. */
 static int on_accept(sd_event_source *source, int fd, uint32_t what, void *context)
 {
@@ -66,42 +77,78 @@ static int on_accept(sd_event_source *source, int fd, uint32_t what, void *conte
     lf_web *web = context;
     struct sockaddr_storage address = {0};
     socklen_t size = sizeof address;
+    if (web->counts.connections >= LF_WEB_MAX_CONNECTIONS) {
+        make_room(web);
+        return on_turn(web);
+    }
     int peer = accept4(fd, (struct sockaddr *)&address, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     const bool full = peer < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOMEM);
     if (peer >= 0) /* on failure it is closed */
         (void)MHD_add_connection(web->http, peer, (const struct sockaddr *)&address, size);
-    if (web->counts.connections >= LF_WEB_MAX_CONNECTIONS || (full && web->counts.connections > 0))
-        accept_more(web, false);
+    if (full && web->counts.connections > 0)
+        make_room(web);
     return on_turn(web);
 }
 
-/* The context of a connection is its patience. */
-static void on_connection(void *context, struct MHD_Connection *connection, void **patience,
+/* NULL: out of memory. */
+static lf_visit *begin_visit(lf_web *web, struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    lf_visit *new = info ? lf_calloc(1, sizeof *new) : NULL;
+    if (!new)
+        return NULL;
+    if (lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new->patience) !=
+        LF_OK) {
+        lf_free(new);
+        return NULL;
+    }
+    new->next = web->visits;
+    web->visits = new;
+    return new;
+}
+
+static void end_visit(lf_web *web, lf_visit *gone)
+{
+    for (lf_visit **at = &web->visits; *at; at = &(*at)->next) {
+        if (*at != gone)
+            continue;
+        *at = gone->next;
+        break;
+    }
+    lf_patience_destroy(gone->patience);
+    lf_free(gone);
+}
+
+/* The context of a connection is its visit. */
+static void on_connection(void *context, struct MHD_Connection *connection, void **visit,
                           enum MHD_ConnectionNotificationCode what)
 {
     lf_web *web = context;
-    lf_patience *new = NULL;
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
         web->counts.connections++;
-        if (info &&
-            lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new) == LF_OK)
-            *patience = new;
+        *visit = begin_visit(web, connection);
         return;
     }
     web->counts.connections--;
-    lf_patience_destroy(*patience);
-    *patience = NULL;
+    if (*visit)
+        end_visit(web, *visit);
+    *visit = NULL;
     if (!web->ending)
         accept_more(web, true);
 }
 
-lf_patience *lf_request_patience(struct MHD_Connection *connection)
+static lf_visit *visit_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info ? info->socket_context : NULL;
+}
+
+lf_patience *lf_request_patience(struct MHD_Connection *connection)
+{
+    const lf_visit *visit = visit_of(connection);
+    return visit ? visit->patience : NULL;
 }
 
 /* ---------------------------------------------------------------------------------- requests -- */
@@ -134,13 +181,15 @@ static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_
 {
     if (needs == LF_NEEDS_TO_WRITE)
         return lf_guard_may_write(guard, headers);
-    return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers) ||
-           (needs == LF_NEEDS_TOKEN_OR_COOKIE && lf_guard_has_cookie(guard, headers));
+    if (needs == LF_NEEDS_TOKEN_OR_COOKIE)
+        return lf_guard_may_read(guard, headers);
+    return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers);
 }
 
 /* The headers are there: refuses the request, or makes *out of it. */
 static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection,
-                                     const char *path, const char *method, lf_request **out)
+                                     const lf_visit *visit, const char *path, const char *method,
+                                     lf_request **out)
 {
     lf_guard_request headers;
     const char *why = NULL;
@@ -148,6 +197,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     const lf_route *route = lf_route_find(path, method, &status);
     web->counts.requests++;
     lf_reply_read(connection, path, &headers);
+    headers.zero = visit->zero;
     headers.takes_body = route && route->has_body;
     headers.body_limit = web->upload_limit;
     const int refused = lf_guard_check(&web->guard, &headers, &why);
@@ -176,6 +226,16 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     return route->check ? route->check(r) : MHD_YES;
 }
 
+/* Before libmicrohttpd decodes the target. */
+static void *on_target(void *context, const char *target, struct MHD_Connection *connection)
+{
+    (void)context;
+    lf_visit *visit = visit_of(connection);
+    if (visit)
+        visit->zero = memmem(target, strcspn(target, "?"), "%00", 3);
+    return NULL; /* no request yet */
+}
+
 /* libmicrohttpd calls this once the headers are there, for the parts of a body, and again when an
  * answer may be made. */
 static enum MHD_Result on_request(void *context, struct MHD_Connection *connection,
@@ -185,10 +245,12 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     (void)version;
     lf_web *web = context;
     lf_request *r = *out_request;
-    if (web->ending)
+    lf_visit *visit = visit_of(connection);
+    if (web->ending || !visit)
         return MHD_NO;
+    visit->asked = true;
     if (!r) {
-        enum MHD_Result result = begin_request(web, connection, path, method, &r);
+        enum MHD_Result result = begin_request(web, connection, visit, path, method, &r);
         *out_request = r;
         return result;
     }
@@ -218,7 +280,7 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
         *at = gone->next;
         break;
     }
-    web->n_fetches -= gone->fetch ? 1 : 0;
+    lf_route_leave_lane(gone);
     web->n_streams -= gone->stream ? 1 : 0;
     lf_fetch_destroy(gone->fetch);
     lf_stream_destroy(gone->stream);
@@ -248,10 +310,11 @@ static lf_status start(lf_web *web, lf_error *err)
                            MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
     web->http = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, web, MHD_OPTION_EXTERNAL_LOGGER, on_log, web,
-        MHD_OPTION_CONNECTION_LIMIT, (unsigned)LF_WEB_MAX_CONNECTIONS,
-        MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES,
-        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection, web,
-        MHD_OPTION_NOTIFY_COMPLETED, on_completed, web, MHD_OPTION_END);
+        MHD_OPTION_URI_LOG_CALLBACK, on_target, NULL, MHD_OPTION_CONNECTION_LIMIT,
+        (unsigned)LF_WEB_MAX_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, web, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
+        web, MHD_OPTION_END);
     const union MHD_DaemonInfo *info =
         web->http ? MHD_get_daemon_info(web->http, MHD_DAEMON_INFO_EPOLL_FD) : NULL;
     if (!info)
@@ -337,6 +400,8 @@ void lf_web_destroy(lf_web *web)
     for (lf_request *r = web->requests; r; r = r->next) {
         if (r->fetch)
             lf_fetch_cancel(r->fetch);
+        if (r->waiting)
+            lf_request_resume(r);
         if (r->stream)
             lf_stream_end(r->stream);
     }

@@ -25,15 +25,24 @@
 #include "daemon/web/uploads.h"
 #include "daemon/web/web.h"
 
-#define LF_WEB_MAX_FETCHES 8
 #define LF_WEB_MAX_STREAMS 4
 /* A request has so long, except where pace or patience of its own are set. */
 #define LF_WEB_DEADLINE_USEC ((uint64_t)10000000)
-/* A client of a download or a stream has so long for LF_PATIENCE_BYTES. */
+/* A client of a download has so long for LF_PATIENCE_BYTES. Of a stream it has so long for what
+ * waits, and quiltd for the next image. */
 #define LF_WEB_SLOW_S 60u
 
 typedef struct lf_seat lf_seat;
+typedef struct lf_visit lf_visit;
 typedef struct lf_request lf_request;
+
+/* Calls of quiltd that do not get into the way of each other: each lane has places of its own. */
+typedef enum lf_web_lane {
+    LF_LANE_SHORT,      /* status, metrics, one image */
+    LF_LANE_THUMBNAILS, /* these wait for a place */
+    LF_LANE_QUILTS,     /* quiltd may need a minute */
+    LF_WEB_LANES,
+} lf_web_lane;
 
 struct lf_web {
     sd_event *event;
@@ -48,12 +57,21 @@ struct lf_web {
     int listen_fd[LF_WEB_MAX_LISTENERS], n_listeners;
     lf_seat *seats;
     int n_seats;
+    lf_visit *visits; /* the newest */
     lf_request *requests;
-    int n_fetches, n_streams;
+    int n_fetches[LF_WEB_LANES], n_streams;
     lf_uploads *uploads;
     lf_downloads *downloads;
     lf_web_counts counts;
     bool ending; /* nobody is let in any more */
+};
+
+/* A connection of HTTP. */
+struct lf_visit {
+    lf_visit *next; /* older */
+    lf_patience *patience;
+    bool asked; /* the headers of a request have come */
+    bool zero;  /* the path of the request holds a zero byte */
 };
 
 /* Who may ask. */
@@ -69,6 +87,7 @@ typedef struct lf_route {
     bool is_start; /* of longer paths, which are meant */
     const char *method;
     lf_route_needs needs;
+    lf_web_lane lane;
     bool has_body;
     /* Each answers the request, or leaves it as it is (check), or suspends it (act). NULL: nothing
      * to do. */
@@ -88,6 +107,9 @@ struct lf_request {
     bool secure;      /* it came through the public server */
     json_t *query;    /* NULL: none was read */
     lf_fetch *fetch;  /* NULL: none was asked for */
+    lf_web_lane lane; /* of the fetch */
+    bool fetching;    /* it takes a place in its lane */
+    bool waiting;     /* for a place; the connection is suspended */
     int fd;           /* that goes with the fetch; -1: none */
     lf_status status; /* of fetch or stream, with its error */
     lf_error error;
@@ -110,10 +132,12 @@ enum MHD_Result lf_request_refuse_json(lf_request *r, unsigned status, int code,
 /* routes.c */
 /* The route of a path and a method. NULL: *out_status is 404 or 405. */
 const lf_route *lf_route_find(const char *path, const char *method, unsigned *out_status);
-/* Asks quiltd and suspends the request; `finish` follows, at once if nobody listens. params: taken.
- * r->fd goes with the call. */
+/* Asks quiltd and suspends the request; `finish` follows, at once if nobody listens. Refuses it
+ * with 503 if its lane is full. params: taken. r->fd goes with the call. */
 enum MHD_Result lf_route_fetch(lf_request *r, const char *method, json_t *params,
                                unsigned patience_s);
+/* The request needs its place no more. */
+void lf_route_leave_lane(lf_request *r);
 /* The answer, in `finish`; on failure also r->status and r->error. *out_code: of quiltd's error. */
 LF_NODISCARD lf_status lf_route_result(lf_request *r, const json_t **out_result, int *out_code);
 /* Answers such a failure: 422 if quiltd has refused, otherwise 503, as JSON. */

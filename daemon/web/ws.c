@@ -26,6 +26,7 @@ struct lf_ws {
     char *early; /* bytes read by somebody else, of which `taken` are used */
     size_t n_early, taken;
     size_t budget;         /* bytes that may still be read in this turn */
+    int frames;            /* of the message that is received */
     bool sent;             /* something was sent in this turn */
     size_t delivered, due; /* since the timer began: bytes sent; bytes to send before it ends */
     bool lingering, ended;
@@ -85,6 +86,19 @@ static ssize_t transmit(wslay_event_context_ptr wslay, const uint8_t *data, size
     return done;
 }
 
+/* wslay allocates memory for each. */
+static void on_frame(wslay_event_context_ptr wslay,
+                     const struct wslay_event_on_frame_recv_start_arg *frame, void *context)
+{
+    (void)wslay;
+    lf_ws *ws = context;
+    if (wslay_is_ctrl_frame(frame->opcode))
+        return;
+    ws->frames = frame->opcode == WSLAY_CONTINUATION_FRAME ? ws->frames + 1 : 1;
+    if (ws->frames > LF_WS_MAX_FRAMES)
+        lf_ws_close(ws, LF_WS_POLICY, "a message has too many frames");
+}
+
 static void on_message(wslay_event_context_ptr wslay,
                        const struct wslay_event_on_msg_recv_arg *message, void *context)
 {
@@ -101,8 +115,10 @@ static void on_message(wslay_event_context_ptr wslay,
 
 static lf_status set_up(lf_ws *ws, sd_event *event, const void *early, size_t n)
 {
-    static const struct wslay_event_callbacks callbacks = {
-        .recv_callback = receive, .send_callback = transmit, .on_msg_recv_callback = on_message};
+    static const struct wslay_event_callbacks callbacks = {.recv_callback = receive,
+                                                           .send_callback = transmit,
+                                                           .on_frame_recv_start_callback = on_frame,
+                                                           .on_msg_recv_callback = on_message};
     ws->early = lf_calloc(n, 1);
     if (!ws->early || wslay_event_context_server_init(&ws->wslay, &callbacks, ws) != 0)
         return LF_E_NOMEM;

@@ -1,9 +1,9 @@
 /* ws: one WebSocket after its handshake (RFC 6455, by wslay), in the event loop.
  *
  * A text message has at most LF_WS_MAX_MESSAGE bytes; a longer one closes with 1009, a binary one
- * with 1003. At most 16 KiB are read in a turn, and nothing while more than 256 messages wait to be
- * sent. Of what waits the peer has to take 64 KiB, or all if it is less, in 20 s; otherwise it is
- * dropped. Thread: event. */
+ * with 1003, and one of more than LF_WS_MAX_FRAMES frames with 1008. At most 16 KiB are read in a
+ * turn, and nothing while more than 256 messages wait to be sent. Of what waits the peer has to
+ * take 64 KiB, or all if it is less, in 20 s; otherwise it is dropped. Thread: event. */
 #ifndef LF_DAEMON_WEB_WS_H
 #define LF_DAEMON_WEB_WS_H
 
@@ -13,6 +13,7 @@
 #include "base/status.h"
 
 #define LF_WS_MAX_MESSAGE ((size_t)1 << 20)
+#define LF_WS_MAX_FRAMES 1024
 
 /* Codes of a close. */
 enum {

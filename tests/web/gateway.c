@@ -28,13 +28,13 @@ struct gateway {
     int connections[MAX_CONNECTIONS];
     char *lines[MAX_CONNECTIONS]; /* [LINE] what came of the next line */
     size_t used[MAX_CONNECTIONS];
-    bool limited[MAX_CONNECTIONS]; /* rights.limit was called */
+    bool limited[MAX_CONNECTIONS]; /* rights.limit was answered */
     int n_connections;
     char calls[MAX_CALLS][24];
     int n_calls;
     bool answers_images;
     lf_gateway_rights rights;
-    int unlimited; /* calls before rights.limit */
+    int unlimited; /* calls before the rights were limited */
     struct {
         int fd[MAX_FDS];
         int n;
@@ -135,7 +135,9 @@ static json_t *limit_rights(gateway *g, json_t *params, int *out_code, const cha
     size_t i;
     json_t *name;
     static char pointer[32];
-    *out_code = g->rights == LF_RIGHTS_UNKNOWN ? -32601 : -32602;
+    *out_code = g->rights == LF_RIGHTS_UNKNOWN  ? -32601
+                : g->rights == LF_RIGHTS_SILENT ? 0
+                                                : -32602;
     json_array_foreach(json_object_get(params, "methods"), i, name)
     {
         if (g->rights != LF_RIGHTS_LACKING || strcmp(json_string_value(name), "doctor") != 0)
@@ -160,6 +162,11 @@ static json_t *result_of(gateway *g, const char *method, json_t *params, int *ou
         return take_export(g, params);
     if (strcmp(method, "scene.load") == 0 || strcmp(method, "scene.patch") == 0)
         return take_files(g, method, params);
+    if (!g->answers_images &&
+        (strcmp(method, "library.thumbnail") == 0 || strcmp(method, "quilt.show") == 0)) {
+        close(take_fd(g));
+        return NULL;
+    }
     if (strcmp(method, "library.thumbnail") == 0) {
         const int fd = take_fd(g);
         *out_code = -32001;
@@ -207,8 +214,8 @@ static void answer_line(gateway *g, int i, const char *line, size_t n)
     }
     if (g->n_calls < MAX_CALLS)
         snprintf(g->calls[g->n_calls++], sizeof g->calls[0], "%s", method);
-    g->limited[i] |= strcmp(method, "rights.limit") == 0;
-    g->unlimited += !g->limited[i];
+    const bool limits = strcmp(method, "rights.limit") == 0;
+    g->unlimited += !limits && !g->limited[i];
     if (strcmp(method, "frame.get") == 0) {
         const int fd = take_fd(g);
         result = g->answers_images ? image_for(params, fd, g->columns) : NULL;
@@ -217,6 +224,7 @@ static void answer_line(gateway *g, int i, const char *line, size_t n)
     } else {
         result = result_of(g, method, params, &code, &pointer);
     }
+    g->limited[i] |= limits && (result || code == -32601);
     if (result)
         send_answer(g->connections[i],
                     json_pack("{s:s, s:O?, s:o}", "jsonrpc", "2.0", "id", id, "result", result));

@@ -29,19 +29,23 @@ const char *lf_gateway_cookie(gateway *g);
 /* The false quiltd answers each call with {"method": NAME, "params"}, status with its state, and
  * frame.get with an image; scene.load, scene.patch and quilt.show say in "seen" what the passed
  * files are. It refuses quilts of 99 columns and thumbnails of /etc/passwd. Exports are jobs 1, 2 …
- * whose files hold "job 1 file 0". false: it answers no frame.get any more. */
+ * whose files hold "job 1 file 0". false: it answers no frame.get,
+ * library.thumbnail and quilt.show any more. */
 void lf_gateway_answer_images(gateway *g, bool answer);
 /* Another scene: its images have these columns. */
 void lf_gateway_set_columns(gateway *g, int columns);
-/* What it knows of rights.limit: all, nothing, all but the method doctor; or it refuses. */
+/* What it knows of rights.limit: all, nothing, all but the method doctor; or it refuses, or does
+ * not answer. */
 typedef enum lf_gateway_rights {
     LF_RIGHTS_KNOWN,
     LF_RIGHTS_UNKNOWN,
     LF_RIGHTS_LACKING,
     LF_RIGHTS_AGAINST,
+    LF_RIGHTS_SILENT,
 } lf_gateway_rights;
 void lf_gateway_set_rights(gateway *g, lf_gateway_rights rights);
-/* How many calls came on connections that had not called rights.limit first. */
+/* How many calls came on connections before their rights were limited, or rights.limit was unknown.
+ */
 int lf_gateway_unlimited(gateway *g);
 /* Makes the first file of the last export so large. */
 bool lf_gateway_grow_export(gateway *g, int64_t bytes);

@@ -238,6 +238,74 @@ static void a_thumbnail_comes_from_quiltd(void **state)
     assert_int_equal(lf_gateway_calls(g, "library.thumbnail"), 2);
 }
 
+static void wait_for_calls(gateway *g, const char *method, int n)
+{
+    while (lf_gateway_calls(g, method) < n)
+        usleep(1000);
+}
+
+/* A page asks for many at once. They are asked for in turn, and others need not wait for them. */
+static void thumbnails_wait_for_each_other(void **state)
+{
+    gateway *g = *state;
+    enum { ALL = 10, AT_ONCE = 4 };
+    int fds[ALL], ok = 0, failed = 0;
+    lf_gateway_answer_images(g, false);
+    for (int i = 0; i < ALL; i++)
+        fds[i] = lf_caller_begin(g, "GET /api/thumbnail?file=/a.png HTTP/1.1", "");
+    wait_for_calls(g, "library.thumbnail", AT_ONCE);
+    assert_int_equal(lf_caller_status(get(g, "/api/status")), 200);
+    assert_int_equal(lf_gateway_calls(g, "library.thumbnail"), AT_ONCE);
+    lf_gateway_answer_images(g, true);
+    lf_gateway_hang_up(g);
+    for (int i = 0; i < ALL; i++) {
+        const int status = lf_caller_status(lf_caller_rest(fds[i]));
+        ok += status == 200;
+        failed += status == 503;
+    }
+    assert_int_equal(ok, ALL - AT_ONCE);
+    assert_int_equal(failed, AT_ONCE);
+}
+
+/* quiltd may take a minute for a quilt, and its client may have left. */
+static void quilts_leave_room_for_other_calls(void **state)
+{
+    gateway *g = *state;
+    enum { AT_ONCE = 2 };
+    int fds[AT_ONCE];
+    lf_gateway_answer_images(g, false);
+    for (int i = 0; i < AT_ONCE; i++)
+        fds[i] =
+            lf_caller_begin(g, "PUT /api/quilt?cols=1&rows=1 HTTP/1.1", "Content-Length: 0\r\n");
+    wait_for_calls(g, "quilt.show", AT_ONCE);
+    for (int i = 0; i < AT_ONCE; i++)
+        close(fds[i]);
+    assert_int_equal(lf_caller_status(lf_caller_put(g, "/api/quilt?cols=1&rows=1", "", 0)), 503);
+    assert_int_equal(lf_caller_status(get(g, "/api/status")), 200);
+    lf_gateway_answer_images(g, true);
+    assert_int_equal(lf_caller_status(get(g, "/api/thumbnail?file=/a.png")), 200);
+    lf_gateway_hang_up(g);
+    int status = 503; /* its place is free again */
+    for (int i = 0; i < 1000 && status == 503; i++)
+        status = lf_caller_status(lf_caller_put(g, "/api/quilt?cols=1&rows=1", "", 0));
+    assert_int_equal(status, 200);
+}
+
+/* The gateway ends while some thumbnails are made and others wait. */
+static void an_end_with_thumbnails_is_clean(void **state)
+{
+    gateway *g = *state;
+    enum { ALL = 6 };
+    int fds[ALL];
+    lf_gateway_answer_images(g, false);
+    for (int i = 0; i < ALL; i++)
+        fds[i] = lf_caller_begin(g, "GET /api/thumbnail?file=/a.png HTTP/1.1", "");
+    wait_for_calls(g, "library.thumbnail", 4);
+    assert_int_equal(lf_caller_status(get(g, "/api/status")), 200);
+    for (int i = 0; i < ALL; i++)
+        close(fds[i]);
+}
+
 static void the_schema_of_scenes_is_served(void **state)
 {
     gateway *g = *state;
@@ -383,6 +451,9 @@ int main(void)
         lf_gateway_test(too_large_exports_are_cancelled),
         lf_gateway_test(an_export_ends_with_its_client),
         lf_gateway_test(a_thumbnail_comes_from_quiltd),
+        lf_gateway_test(thumbnails_wait_for_each_other),
+        lf_gateway_test(quilts_leave_room_for_other_calls),
+        lf_gateway_test(an_end_with_thumbnails_is_clean),
         lf_gateway_test(the_schema_of_scenes_is_served),
         lf_gateway_test(numbers_are_of_quiltd_and_of_the_gateway),
         lf_gateway_test(a_stream_has_each_image),

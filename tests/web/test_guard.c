@@ -96,7 +96,8 @@ static void a_public_name_is_reached_by_https_alone(void **state)
 static void a_public_origin_is_https_and_a_name(void **state)
 {
     (void)state;
-    static const char *const good_ones[] = {"https://a", "https://panel.home.arpa:8443"};
+    static const char *const good_ones[] = {"https://a", "https://panel.home.arpa:8443",
+                                            "https://localhost:8443", "https://localhost"};
     static const char *const bad[] = {"panel.local",
                                       "http://panel.local",
                                       "https://",
@@ -106,15 +107,26 @@ static void a_public_origin_is_https_and_a_name(void **state)
                                       "https://a:65536",
                                       "https://a:",
                                       "https://a b",
+                                      "https://127.0.0.1:8033",
+                                      "https://localhost:8033",
+                                      "https://.",
+                                      "https://.a",
+                                      "https://a.",
+                                      "https://-a",
+                                      "https://a-",
+                                      "https://a:08443",
                                       ""};
-    lf_guard guard = {0};
+    lf_guard guard;
     lf_error err = {0};
+    lf_assert_ok(lf_guard_init(&guard, PORT, &err), &err);
     for (size_t i = 0; i < sizeof good_ones / sizeof good_ones[0]; i++) {
         lf_assert_ok(lf_guard_set_public(&guard, good_ones[i], &err), &err);
         assert_string_equal(guard.public_origin, good_ones[i]);
     }
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         assert_int_equal(lf_guard_set_public(&guard, bad[i], &err), LF_E_ARG);
+    lf_assert_ok(lf_guard_init(&guard, 80, &err), &err);
+    lf_assert_status(lf_guard_set_public(&guard, "https://localhost:443", &err), LF_E_ARG, &err);
 }
 
 static void an_origin_is_ours_by_the_same_name(void **state)
@@ -157,6 +169,9 @@ static void what_two_readers_understand_differently_is_refused(void **state)
     assert_int_equal(check(&r), 400);
     r = good();
     r.target = "http://127.0.0.1:8033/";
+    assert_int_equal(check(&r), 400);
+    r = good();
+    r.zero = true;
     assert_int_equal(check(&r), 400);
     r = good();
     r.cookie = "a=b";
@@ -259,9 +274,18 @@ static void the_cookie_is_found_among_others(void **state)
     static const struct {
         const char *before, *between, *after;
         bool found;
-    } rows[] = {{"", "=", "", true},    {"a=b; ", "=", "", true}, {"", "=", "; c=d", true},
-                {"x", "=", "", false},  {"", "=", "0", false},    {"", " ", "", false},
-                {"a=", "=", "", false}, {"", "=0", "", false},    {"a=b, ", "=", "", false}};
+    } rows[] = {{"", "=", "", true},
+                {"a=b; ", "=", "", true},
+                {"", "=", "; c=d", true},
+                {"x", "=", "", false},
+                {"", "=", "0", false},
+                {"", " ", "", false},
+                {"a=", "=", "", false},
+                {"", "=0", "", false},
+                {"a=b, ", "=", "", false},
+                /* a server on another port has set the first, for one path */
+                {"quiltweb-8033=x; ", "=", "", true},
+                {"", "=", "; quiltweb-8033=x", true}};
     r.cookie = text;
     r.cookies = 1;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -50,9 +50,8 @@ static void every_answer_keeps_other_pages_out(void **state)
 static void only_pages_are_served(void **state)
 {
     gateway *g = *state;
-    static const char *const paths[] = {
-        "/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/page", "//",
-        "/main.js/",         "/index.html%00.js"};
+    static const char *const paths[] = {"/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/page",
+                                        "//", "/main.js/"};
     check_status(g, "GET / HTTP/1.1", "", 200);
     check_status(g, "HEAD / HTTP/1.1", "", 200);
     check_status(g, "GET /main.js HTTP/1.1", "", 200);
@@ -61,6 +60,8 @@ static void only_pages_are_served(void **state)
         snprintf(line, sizeof line, "GET %s HTTP/1.1", paths[i]);
         check_status(g, line, "", 404);
     }
+    check_status(g, "GET /main.js%00.x HTTP/1.1", "", 400);
+    check_status(g, "GET /main.js?%00 HTTP/1.1", "", 200);
     check_status(g, "POST / HTTP/1.1", "", 405);
     check_status(g, "OPTIONS / HTTP/1.1", "Origin: http://evil.test\r\n", 403);
     check_status(g, "OPTIONS / HTTP/1.1", "", 405);
@@ -158,6 +159,32 @@ static void the_token_becomes_a_cookie(void **state)
     check_status(g, "GET /api/status HTTP/1.1", wrong, 401);
 }
 
+/* An <img> of a page on another port of this machine brings the cookie along. */
+static void a_cookie_reads_for_its_own_page_alone(void **state)
+{
+    gateway *g = *state;
+    static const struct {
+        const char *site;
+        int status;
+    } rows[] = {{"", 200},
+                {"Sec-Fetch-Site: same-origin\r\n", 200},
+                {"Sec-Fetch-Site: none\r\n", 200}, /* the address bar */
+                {"Sec-Fetch-Site: same-site\r\n", 401},
+                {"Sec-Fetch-Site: cross-site\r\n", 401},
+                {"Sec-Fetch-Site: cross-site\r\nSec-Fetch-Site: none\r\n", 401}};
+    static const char *const lines[] = {"GET /api/status HTTP/1.1", "GET /preview.jpg HTTP/1.1",
+                                        "GET /api/thumbnail?file=/a HTTP/1.1"};
+    char headers[256], cookie[160];
+    snprintf(cookie, sizeof cookie, "%s", lf_gateway_cookie(g));
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+            snprintf(headers, sizeof headers, "Cookie: %s\r\n%s", cookie, rows[i].site);
+            check_status(g, lines[k], headers, rows[i].status);
+            snprintf(headers, sizeof headers, "%s%s", bearer(g), rows[i].site);
+            check_status(g, lines[k], headers, 200);
+        }
+}
+
 static void status_and_preview_come_from_quiltd(void **state)
 {
     gateway *g = *state;
@@ -213,6 +240,7 @@ int main(void)
         lf_gateway_test(bodies_are_refused_before_they_come),
         lf_gateway_test(headers_are_bounded),
         lf_gateway_test(the_token_becomes_a_cookie),
+        lf_gateway_test(a_cookie_reads_for_its_own_page_alone),
         lf_gateway_test(status_and_preview_come_from_quiltd),
         lf_gateway_test(a_quiltd_that_leaves_is_told),
         lf_gateway_test(an_end_while_an_image_is_awaited_is_clean),

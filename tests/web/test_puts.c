@@ -98,12 +98,27 @@ static void files_of_a_folder_go_together(void **state)
 static void names_of_uploads_stay_in_their_folder(void **state)
 {
     gateway *g = *state;
-    static const char *const wrong[] = {
-        "name=",         "name=..",         "name=../a",        "name=a/../b",
-        "name=/a",       "name=a//b",       "name=a/",          "name=./a",
-        "name=a%0Ab",    "name=a%00b",      "name=%ff",         "",
-        "name=a&name=b", "name=a&x=1",      "name=a&folder=..", "name=a&folder=0123456789abcde",
-        "folder=0",      "name=%2e%2e%2fa", "name=a%7f",        "name=a&folder=0123456789ABCDEF"};
+    static const char *const wrong[] = {"name=",
+                                        "name=..",
+                                        "name=../a",
+                                        "name=a/../b",
+                                        "name=/a",
+                                        "name=a//b",
+                                        "name=a/",
+                                        "name=./a",
+                                        "name=a%0Ab",
+                                        "name=a%00b",
+                                        "name=%ff",
+                                        "",
+                                        "name%00x=a",
+                                        "name=a&name=b",
+                                        "name=a&x=1",
+                                        "name=a&folder=..",
+                                        "name=a&folder=0123456789abcde",
+                                        "folder=0",
+                                        "name=%2e%2e%2fa",
+                                        "name=a%7f",
+                                        "name=a&folder=0123456789ABCDEF"};
     char target[256], name[300];
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         snprintf(target, sizeof target, "/api/upload?%s", wrong[i]);
@@ -166,6 +181,68 @@ static void uploads_have_a_limit_together(void **state)
     close(half);
     close(fd);
     free(body);
+}
+
+/* Passes n of these files; what the gateway says before quiltd answers, or that it says nothing. */
+static const char *pass(int fd, const char *const paths[], int n)
+{
+    char text[8192];
+    int used = sprintf(text, "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"scene.load\",\"params\":"
+                             "{\"file\":\"a\",\"files\":[");
+    for (int i = 0; i < n; i++)
+        used += sprintf(text + used, "%s\"%s\"", i > 0 ? "," : "", paths[i]);
+    strcpy(text + used, "]}}");
+    lf_talk_say(fd, text);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"shutdown\"}"); /* refused at once */
+    return lf_talk_until(fd, "\"id\":7", NULL);
+}
+
+/* What was passed but not taken by quiltd is still memory of the gateway. */
+static void files_that_quiltd_does_not_take_have_a_limit(void **state)
+{
+    gateway *g = *state;
+    enum { SIZE = 2 * BIG };
+    char *body = calloc(SIZE, 1);
+    assert_non_null(body);
+    lf_gateway_set_rights(g, LF_RIGHTS_SILENT); /* nothing is sent to it */
+    int one = lf_talk_open(g), two = lf_talk_open(g);
+    const char *path = upload(g, "name=a", body, SIZE);
+    assert_non_null(strstr(pass(one, &path, 1), "-32601"));
+    path = upload(g, "name=b", body, SIZE);
+    assert_non_null(strstr(pass(two, &path, 1), "-32000"));
+    close(one);
+    const char *answer = "";
+    for (int i = 0; i < 1000 && !strstr(answer, "-32601"); i++) { /* it still waits */
+        close(two);
+        two = lf_talk_open(g);
+        answer = pass(two, &path, 1);
+    }
+    assert_non_null(strstr(answer, "-32601"));
+    assert_int_equal(lf_gateway_calls(g, "scene.load"), 0);
+    close(two);
+    free(body);
+}
+
+static void few_files_wait_for_quiltd(void **state)
+{
+    gateway *g = *state;
+    enum { A_CALL = 64, CALLS = 2 };
+    const char *paths[A_CALL];
+    char query[32], kept[A_CALL][64];
+    int fds[CALLS + 1];
+    lf_gateway_set_rights(g, LF_RIGHTS_SILENT);
+    for (int k = 0; k <= CALLS; k++) {
+        for (int i = 0; i < (k < CALLS ? A_CALL : 1); i++) {
+            snprintf(query, sizeof query, "name=%d", i);
+            snprintf(kept[i], sizeof kept[i], "%s", upload(g, query, "x", 1));
+            paths[i] = kept[i];
+        }
+        fds[k] = lf_talk_open(g);
+        const char *answer = pass(fds[k], paths, k < CALLS ? A_CALL : 1);
+        assert_non_null(strstr(answer, k < CALLS ? "-32601" : "-32000"));
+    }
+    for (int k = 0; k <= CALLS; k++)
+        close(fds[k]);
 }
 
 static void a_few_bodies_come_at_once(void **state)
@@ -342,6 +419,8 @@ int main(void)
         lf_gateway_test(names_of_uploads_stay_in_their_folder),
         lf_gateway_test(a_body_of_many_parts_arrives_whole),
         lf_gateway_test(uploads_have_a_limit_together),
+        lf_gateway_test(files_that_quiltd_does_not_take_have_a_limit),
+        lf_gateway_test(few_files_wait_for_quiltd),
         lf_gateway_test(a_few_bodies_come_at_once),
         lf_gateway_test(many_uploads_wait_and_no_more),
         lf_gateway_test(wrong_requests_are_refused_before_their_body),

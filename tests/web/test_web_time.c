@@ -91,6 +91,32 @@ static void a_paced_connection_has_so_long_for_each_part(void **state)
     close_pair(fds);
 }
 
+/* After the first minute what was moved needs a rate, too, and not only a part in each period. */
+static void a_paced_connection_needs_a_mean_rate(void **state)
+{
+    (void)state;
+    enum { PERIOD_S = 10, RATE = 65536 };
+    lf_patience *patience = NULL;
+    int fds[2];
+    make_pair(fds);
+    lf_assert_ok(lf_patience_create(event, fds[0], 1000000, &patience), NULL);
+    lf_patience_pace(patience, PERIOD_S * 1000000);
+    for (int i = 1; i <= 20; i++) { /* all that is due comes at the last moment */
+        lf_patience_note(patience, i > 6 ? PERIOD_S * RATE - LF_PATIENCE_BYTES : LF_PATIENCE_BYTES);
+        lf_patience_note(patience, i > 6 ? LF_PATIENCE_BYTES : 0);
+        lf_clock_pass(event, PERIOD_S);
+        assert_true(is_open(fds[1]));
+    }
+    for (int i = 0; i < 2; i++) { /* the parts of the first minute last for one period more */
+        assert_true(is_open(fds[1]));
+        lf_patience_note(patience, PERIOD_S * RATE / 2);
+        lf_clock_pass(event, PERIOD_S);
+    }
+    assert_false(is_open(fds[1]));
+    lf_patience_destroy(patience);
+    close_pair(fds);
+}
+
 static void a_stopped_patience_is_endless(void **state)
 {
     (void)state;
@@ -272,6 +298,32 @@ static void downloads_have_a_limit_together(void **state)
     lf_downloads_destroy(downloads);
 }
 
+/* Its path is told to a client, so it stays; if there is no room for it, it is no download. */
+static void a_finished_export_does_not_make_room_for_others(void **state)
+{
+    (void)state;
+    lf_error err = {0};
+    lf_downloads *downloads = NULL;
+    json_t *files = NULL;
+    lf_download_read read, other;
+    n_over = 0;
+    lf_assert_ok(lf_downloads_create(event, 1000, &downloads, &err), &err);
+    const char *first = end_download(begin_download(downloads, "a.png", 300));
+    assert_true(lf_download_open(downloads, first, &read));
+    lf_download *large = begin_download(downloads, "b.png", 500);
+    const char *second = end_download(begin_download(downloads, "c.png", 400));
+    assert_int_equal(n_over, 1); /* b.png, which is being written, goes */
+    assert_true(lf_download_open(downloads, second, &other));
+    lf_download_close(&other);
+    large = begin_download(downloads, "d.png", 0);
+    assert_int_equal(ftruncate(lf_download_fd(large, 0), 800), 0);
+    lf_assert_status(lf_download_finish(large, &files, &err), LF_E_NOMEM, &err);
+    assert_null(files);
+    assert_int_equal(lf_downloads_bytes(downloads), 300);
+    lf_download_close(&read);
+    lf_downloads_destroy(downloads);
+}
+
 /* ------------------------------------------------------------------------------------ images -- */
 
 /* A quiltd that says what the test says: its listening socket, at a path in a folder. */
@@ -282,7 +334,7 @@ static int listen_as_quiltd(const char *folder, char path[108])
     memcpy(address.sun_path, path, sizeof address.sun_path);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
-    assert_int_equal(listen(fd, 1), 0);
+    assert_int_equal(listen(fd, 16), 0);
     return fd;
 }
 
@@ -328,6 +380,15 @@ static void say(int fd, const char *text)
     }
 }
 
+/* Answers the call that limits rights; all other calls wait for it. */
+static void limit_rights(int quiltd)
+{
+    const char *call = hear(quiltd, NULL);
+    assert_non_null(strstr(call, "rights.limit"));
+    assert_ptr_equal(strchr(call, '\n') + 1, call + strlen(call));
+    say(quiltd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:rights\",\"result\":{}}\n");
+}
+
 /* No image is asked for while much waits for the client. */
 static void a_slow_reader_gets_no_image(void **state)
 {
@@ -345,7 +406,7 @@ static void a_slow_reader_gets_no_image(void **state)
     make_pair(fds);
     lf_assert_ok(lf_session_create(&home, fds[0], "", 0, &session, &err), &err);
     int quiltd = accept(listener, NULL, NULL);
-    assert_non_null(strstr(hear(quiltd, NULL), "rights.limit"));
+    limit_rights(quiltd);
     for (int i = 0; i < LINES; i++)
         say(quiltd, line);
     frame[1] = (char)(0x80 | strlen(start)); /* its mask is zero */
@@ -387,6 +448,7 @@ static void a_stream_repeats_its_image(void **state)
     n_ready = 0;
     lf_assert_ok(lf_stream_create(event, path, on_ready, NULL, &stream, &err), &err);
     int quiltd = accept(listener, NULL, NULL);
+    limit_rights(quiltd);
     assert_non_null(strstr(hear(quiltd, &file), "frame.get"));
     assert_int_equal(write(file, "image", 5), 5);
     close(file);
@@ -420,6 +482,7 @@ static void a_repeat_waits_for_an_image_on_its_way(void **state)
     int listener = listen_as_quiltd(folder, path), file = -1;
     lf_assert_ok(lf_stream_create(event, path, on_ready, NULL, &stream, &err), &err);
     int quiltd = accept(listener, NULL, NULL);
+    limit_rights(quiltd);
     assert_non_null(strstr(hear(quiltd, &file), "frame.get"));
     assert_int_equal(write(file, "image", 5), 5);
     close(file);
@@ -443,28 +506,39 @@ static void a_repeat_waits_for_an_image_on_its_way(void **state)
 
 /* ------------------------------------------------------------------------------- the gateway -- */
 
-static lf_web *begin_web(void)
+static lf_web *begin_web_for(const char *path)
 {
     lf_error err = {0};
     lf_web *web = NULL;
     int fd = -1;
     const lf_web_config config = {
-        .listen_fds = &fd, .n_listen_fds = 1, .socket = "/nowhere", .upload_limit = 1 << 20};
+        .listen_fds = &fd, .n_listen_fds = 1, .socket = path, .upload_limit = 1 << 20};
     lf_assert_ok(lf_web_listen("127.0.0.1:0", &fd, &err), &err);
     lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
     return web;
 }
 
-/* A client that has sent its headers. */
-static int begin_client(const lf_web *web, const char *line, const char *headers)
+static lf_web *begin_web(void)
+{
+    return begin_web_for("/nowhere");
+}
+
+static int connect_client(const lf_web *web)
 {
     const struct sockaddr_in address = {.sin_family = AF_INET,
                                         .sin_port = htons((uint16_t)lf_web_port(web)),
                                         .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    char request[512];
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
     lf_clock_settle(event);
+    return fd;
+}
+
+/* A client that has sent its headers. */
+static int begin_client(const lf_web *web, const char *line, const char *headers)
+{
+    char request[512];
+    int fd = connect_client(web);
     const int n =
         snprintf(request, sizeof request,
                  "%s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n%s\r\n", line,
@@ -498,6 +572,189 @@ static void a_body_may_take_long_if_it_moves(void **state)
     lf_web_destroy(web);
 }
 
+/* A client of the web, behind which quiltd does what the test says. */
+typedef struct behind {
+    char *folder, path[108];
+    int listener, quiltd;
+    lf_web *web;
+} behind;
+
+static behind begin_behind(void)
+{
+    behind b = {.folder = lf_test_folder(), .quiltd = -1};
+    b.listener = listen_as_quiltd(b.folder, b.path);
+    b.web = begin_web_for(b.path);
+    return b;
+}
+
+static void end_behind(const behind *b)
+{
+    lf_web_destroy(b->web);
+    close(b->quiltd);
+    close(b->listener);
+    lf_test_folder_remove(b->folder);
+}
+
+/* A stream is repeated as long as quiltd answers, and ends if it does not. */
+static void a_stream_ends_with_a_quiltd_that_hangs(void **state)
+{
+    (void)state;
+    static const char answer[] =
+        "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:stream\",\"result\":{\"columns\":1,\"rows\":1,"
+        "\"views\":1,\"width\":2,\"height\":2,\"bytes\":5}}\n";
+    behind b = begin_behind();
+    int file = -1, fd = begin_client(b.web, "GET /preview.mjpg", "");
+    lf_clock_settle(event);
+    b.quiltd = accept(b.listener, NULL, NULL);
+    limit_rights(b.quiltd);
+    assert_non_null(strstr(hear(b.quiltd, &file), "frame.get"));
+    assert_int_equal(write(file, "image", 5), 5);
+    close(file);
+    say(b.quiltd, answer);
+    for (int s = 0; s <= 70; s += LF_STREAM_REPEAT_S) {
+        assert_true(drain(fd) > 0);
+        lf_clock_pass(event, LF_STREAM_REPEAT_S);
+    }
+    say(b.quiltd, "{\"jsonrpc\":\"2.0\",\"method\":\"frame\",\"params\":{}}\n");
+    assert_non_null(strstr(hear(b.quiltd, NULL), "frame.get")); /* and no answer */
+    (void)drain(fd);
+    for (int s = 0; s < 50; s += LF_STREAM_REPEAT_S)
+        lf_clock_pass(event, LF_STREAM_REPEAT_S);
+    assert_true(is_open(fd));
+    for (int s = 50; s < 70; s += LF_STREAM_REPEAT_S)
+        lf_clock_pass(event, LF_STREAM_REPEAT_S);
+    assert_false(is_open(fd));
+    close(fd);
+    end_behind(&b);
+}
+
+static void send_text(int fd, const char *text)
+{
+    enum { LENGTH = 200 };
+    char frame[8 + LENGTH + 1] = {'\x81', (char)(0x80 | 126), 0,
+                                  (char)LENGTH}; /* its mask is zero */
+    snprintf(frame + 8, LENGTH + 1, "%-*s", LENGTH, text);
+    assert_int_equal(send(fd, frame, 8 + LENGTH, MSG_NOSIGNAL), 8 + LENGTH);
+    lf_clock_settle(event);
+}
+
+/* The path of an export of so many bytes. */
+static const char *export_file(behind *b, off_t bytes)
+{
+    int file = -1, fd = begin_client(b->web, "GET /rpc",
+                                     "Upgrade: websocket\r\nConnection: Upgrade\r\n"
+                                     "Sec-WebSocket-Version: 13\r\n"
+                                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n");
+    static char text[4096];
+    lf_clock_settle(event);
+    b->quiltd = accept(b->listener, NULL, NULL);
+    limit_rights(b->quiltd);
+    send_text(fd,
+              "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"export\",\"params\":{\"kind\":\"still\","
+              "\"file\":\"a.png\"}}");
+    assert_non_null(strstr(hear(b->quiltd, &file), "\"export\""));
+    assert_int_equal(ftruncate(file, bytes), 0);
+    close(file);
+    say(b->quiltd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:export:1\",\"result\":{\"job\":1}}\n"
+                   "{\"jsonrpc\":\"2.0\",\"method\":\"export\",\"params\":{\"job\":1,"
+                   "\"state\":\"done\"}}\n");
+    char *path = NULL;
+    for (size_t used = 0; !path || !strchr(path, '"'); path = strstr(text, LF_DOWNLOADS_PREFIX)) {
+        const ssize_t n = recv(fd, text + used, sizeof text - 1 - used, 0);
+        assert_true(n > 0);
+        for (ssize_t i = 0; i < n; i++) /* heads of frames */
+            text[used + (size_t)i] = text[used + (size_t)i] ? text[used + (size_t)i] : ' ';
+        used += (size_t)n;
+        text[used] = '\0';
+    }
+    path[strcspn(path, "\"")] = '\0';
+    close(fd);
+    return path;
+}
+
+/* One that takes a part in each minute would hold a large file for days. */
+static void a_download_needs_a_mean_rate(void **state)
+{
+    (void)state;
+    enum { SIZE = 1 << 28, PERIODS = 60, PART = 1 << 20 };
+    static char part[PART];
+    char line[256];
+    behind b = begin_behind();
+    snprintf(line, sizeof line, "GET %s", export_file(&b, SIZE));
+    for (int fast = 1; fast >= 0; fast--) {
+        ssize_t n = 1;
+        size_t taken = 0;
+        int fd = begin_client(b.web, line, ""), periods = 0;
+        for (; periods < PERIODS && n > 0; periods++) {
+            for (int i = 0; i < (fast ? 16 : 1) && n > 0; i++) {
+                lf_clock_settle(event);
+                n = recv(fd, part, sizeof part, MSG_DONTWAIT);
+                taken += n > 0 ? (size_t)n : 0;
+            }
+            lf_clock_pass(event, 60);
+        }
+        assert_true(fast ? taken > SIZE : taken < SIZE / 2);
+        close(fd);
+    }
+    end_behind(&b);
+}
+
+/* Clients that only connect do not keep others out. */
+static void the_oldest_silent_connection_makes_room(void **state)
+{
+    (void)state;
+    lf_web *web = begin_web();
+    int fds[LF_WEB_MAX_CONNECTIONS];
+    char answer[64] = "";
+    fds[0] = begin_client(web, "PUT /api/upload?name=a", "Content-Length: 10\r\n");
+    for (int i = 1; i < LF_WEB_MAX_CONNECTIONS; i++)
+        fds[i] = connect_client(web);
+    for (int i = 0; i < LF_WEB_MAX_CONNECTIONS; i++)
+        assert_true(is_open(fds[i]));
+    int fd = begin_client(web, "GET /", "");
+    lf_clock_settle(event);
+    assert_true(recv(fd, answer, sizeof answer - 1, MSG_DONTWAIT) > 0);
+    assert_memory_equal(answer, "HTTP/1.1 200", 12);
+    for (int i = 0; i < LF_WEB_MAX_CONNECTIONS; i++) {
+        assert_int_equal(is_open(fds[i]), i != 1);
+        close(fds[i]);
+    }
+    close(fd);
+    lf_web_destroy(web);
+}
+
+/* Nobody waits any more for one whose time is over. */
+static void a_late_thumbnail_is_not_asked_for(void **state)
+{
+    (void)state;
+    enum { AT_ONCE = 4, ALL = 2 * AT_ONCE + 1 };
+    char *folder = lf_test_folder(), path[108], answer[16] = "";
+    int listener = listen_as_quiltd(folder, path), fds[ALL], quiltd, n = 0;
+    lf_web *web = begin_web_for(path);
+    for (int i = 0; i < ALL; i++) {
+        fds[i] = begin_client(web, "GET /api/thumbnail?file=/a", "");
+        lf_clock_settle(event);
+    }
+    lf_clock_pass(event, 8); /* the first ones are given up, and the next ones asked for */
+    for (int i = 0; i < AT_ONCE; i++) {
+        assert_int_equal(recv(fds[i], answer, 12, 0), 12);
+        assert_string_equal(answer, "HTTP/1.1 503");
+    }
+    lf_clock_pass(event, 8);
+    for (int i = AT_ONCE; i < ALL; i++)
+        assert_false(is_open(fds[i]));
+    while ((quiltd = accept(listener, NULL, NULL)) >= 0) {
+        close(quiltd);
+        n++;
+    }
+    assert_int_equal(n, 2 * AT_ONCE);
+    for (int i = 0; i < ALL; i++)
+        close(fds[i]);
+    lf_web_destroy(web);
+    close(listener);
+    lf_test_folder_remove(folder);
+}
+
 /* What has come but was not read at the end is not answered any more. */
 static void nobody_is_let_in_at_the_end(void **state)
 {
@@ -526,15 +783,21 @@ int main(void)
     const struct CMUnitTest tests[] = {
         timed(a_connection_has_so_long_for_all),
         timed(a_paced_connection_has_so_long_for_each_part),
+        timed(a_paced_connection_needs_a_mean_rate),
         timed(a_stopped_patience_is_endless),
         timed(a_reader_has_to_take_a_part_of_what_waits),
         timed(uploads_that_nobody_uses_are_dropped),
         timed(downloads_are_dropped_unless_they_are_read),
         timed(downloads_have_a_limit_together),
+        timed(a_finished_export_does_not_make_room_for_others),
         timed(a_slow_reader_gets_no_image),
         timed(a_stream_repeats_its_image),
         timed(a_repeat_waits_for_an_image_on_its_way),
         timed(a_body_may_take_long_if_it_moves),
+        timed(the_oldest_silent_connection_makes_room),
+        timed(a_stream_ends_with_a_quiltd_that_hangs),
+        timed(a_download_needs_a_mean_rate),
+        timed(a_late_thumbnail_is_not_asked_for),
         timed(nobody_is_let_in_at_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

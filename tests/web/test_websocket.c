@@ -212,6 +212,10 @@ static void a_quiltd_that_does_not_limit_rights_is_not_used(void **state)
     assert_int_equal(close_code(fd), 1011);
     close(fd);
     assert_int_equal(lf_caller_status(lf_caller_get(g, "GET /api/status HTTP/1.1", token)), 503);
+    assert_int_equal(lf_caller_status(lf_caller_get(g, "GET /preview.mjpg HTTP/1.1", token)), 503);
+    assert_int_equal(lf_caller_status(lf_caller_put(g, "/api/quilt?cols=1&rows=1", "x", 1)), 503);
+    assert_int_equal(lf_gateway_calls(g, "rights.limit"), 4);
+    assert_int_equal(lf_gateway_unlimited(g), 0); /* nothing else has come */
 }
 
 static void a_subscription_keeps_frames(void **state)
@@ -240,6 +244,35 @@ static void long_messages_are_closed_with_1009(void **state)
     assert_int_equal(close_code(fd), 1009);
     close(fd);
     free(text);
+}
+
+/* Each frame costs memory besides its bytes. Pings between them are no part of the message. */
+static void a_message_has_a_thousand_frames_at_most(void **state)
+{
+    gateway *g = *state;
+    enum { MOST = 1024, HEAD = 6, PING = 7 };
+    static const char call[] = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}";
+    static char frames[MOST * (HEAD + 1) + PING];
+    for (int frame = 0, used = 0; frame < MOST; frame++) { /* all masks are zero */
+        frames[used] = (char)((frame == 0) | (frame == MOST - 1 ? 0x80 : 0));
+        frames[used + 1] = (char)0x81;
+        frames[used + HEAD] = (size_t)frame < strlen(call) ? call[frame] : ' ';
+        used += HEAD + 1;
+        if (frame == 1) {
+            memcpy(frames + used, "\x89\x81\0\0\0\0p", PING);
+            used += PING;
+        }
+    }
+    int fd = lf_talk_open(g);
+    for (int i = 0; i < 2; i++) {
+        assert_true(lf_caller_send(fd, frames, sizeof frames));
+        assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "\"result\""));
+    }
+    assert_true(lf_caller_send(fd, frames, sizeof frames - HEAD - 1));
+    assert_true(lf_caller_send(fd, "\0\x81\0\0\0\0 ", HEAD + 1));
+    assert_true(lf_caller_send(fd, "\0\x81\0\0\0\0 ", HEAD + 1));
+    assert_int_equal(close_code(fd), 1008);
+    close(fd);
 }
 
 /* A short message may be a long line: 1e9 becomes 1000000000.0. */
@@ -504,6 +537,7 @@ int main(void)
         lf_gateway_test(a_quiltd_that_does_not_limit_rights_is_not_used),
         lf_gateway_test(a_subscription_keeps_frames),
         lf_gateway_test(long_messages_are_closed_with_1009),
+        lf_gateway_test(a_message_has_a_thousand_frames_at_most),
         lf_gateway_test(long_lines_are_refused_with_their_id),
         lf_gateway_test(other_breaches_are_closed),
         lf_gateway_test(a_quiltd_that_ends_closes_its_clients),
