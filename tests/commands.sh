@@ -111,6 +111,20 @@ start_simulator() { # command
     wait "$simulator" 2> /dev/null
     grep -q ' attach -r ' sim.log
 }
+# A server, too, at a port that is free: it has to print its URL.
+start_gateway() { # command
+    local gateway
+    : > web.log
+    eval "exec $1 --listen 127.0.0.1:0" > web.log 2>&1 &
+    gateway=$!
+    until grep -q '^https\?://' web.log; do
+        kill -0 "$gateway" 2> /dev/null || break
+        sleep 0.1
+    done
+    kill "$gateway" 2> /dev/null
+    wait "$gateway" 2> /dev/null
+    grep -q '^https\?://' web.log
+}
 needs_daemon() { # command
     case $1 in *quiltctl\ doctor | *--help) return 1 ;; *quiltctl\ * | python3\ *) ;; *) return 1 ;; esac
 }
@@ -119,6 +133,7 @@ run() { # command
     case $1 in
     quiltd\ *) start_daemon "$1" || cat daemon.log ;;
     quiltsim\ *) start_simulator "$1" || cat sim.log ;;
+    quiltweb | quiltweb\ *) start_gateway "$1" || cat web.log ;;
     export\ *) eval "$1" ;;
     *)
         if [[ $1 =~ ^[a-z_]+=[^\ ]*$ ]]; then
