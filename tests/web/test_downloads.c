@@ -156,8 +156,10 @@ static void a_failed_export_is_no_download(void **state)
     }
     say_ended(g, 20, "done"); /* of a job that has ended */
     lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":6,\"method\":\"hello\"}");
-    while (lf_talk_next(fd, &message, &n) == 1 && !strstr((const char *)message, "\"id\":6"))
+    do {
+        assert_int_equal(lf_talk_next(fd, &message, &n), 1);
         assert_null(strstr((const char *)message, "\"method\":\"download\""));
+    } while (!strstr((const char *)message, "\"id\":6"));
     close(fd);
 }
 

@@ -134,24 +134,29 @@ static void a_machine_without_an_address_is_served_on_the_other(void **state)
     without_v6 = false;
 }
 
+/* The other side has ended; not only the patience of this test. */
+static bool has_ended(int fd)
+{
+    char byte;
+    const ssize_t n = recv(fd, &byte, 1, 0);
+    return n == 0 || (n < 0 && errno == ECONNRESET);
+}
+
 /* Timers of this program are due at once. */
 static void a_request_that_does_not_end_is_dropped(void **state)
 {
     gateway *g = *state;
     enum { MOST = 20000 };
-    char answer[64];
     int fd = lf_caller_connect(g);
     int n = 0; /* a byte now and then, so that it is never idle */
     assert_true(lf_caller_send(fd, "GET / HTTP/1.1\r\nX: ", 19));
-    while (n < MOST && lf_caller_send(fd, "x", 1) &&
-           recv(fd, answer, sizeof answer, MSG_DONTWAIT) < 0 && errno == EAGAIN) {
+    for (; n < MOST && lf_caller_send(fd, "x", 1); n++)
         usleep(1000);
-        n++;
-    }
     assert_true(n < MOST);
+    assert_true(has_ended(fd)); /* without an answer */
     close(fd);
     fd = lf_caller_connect(g); /* and one that says nothing */
-    assert_true(recv(fd, answer, sizeof answer, 0) <= 0);
+    assert_true(has_ended(fd));
     close(fd);
 }
 
