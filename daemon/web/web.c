@@ -61,8 +61,8 @@ static void accept_more(lf_web *web, bool more)
 /* Somebody waits for a place: the oldest connection that has not asked for anything makes room. */
 static void make_room(lf_web *web)
 {
-    lf_visit *oldest = NULL;
-    for (lf_visit *v = web->visits; v; v = v->next)
+    lf_peer *oldest = NULL;
+    for (lf_peer *v = web->peers; v; v = v->next)
         oldest = v->asked ? oldest : v;
     if (oldest)
         lf_patience_end(oldest->patience);
@@ -91,11 +91,11 @@ static int on_accept(sd_event_source *source, int fd, uint32_t what, void *conte
 }
 
 /* NULL: out of memory. */
-static lf_visit *begin_visit(lf_web *web, struct MHD_Connection *connection)
+static lf_peer *begin_peer(lf_web *web, struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    lf_visit *new = info ? lf_calloc(1, sizeof *new) : NULL;
+    lf_peer *new = info ? lf_calloc(1, sizeof *new) : NULL;
     if (!new)
         return NULL;
     if (lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new->patience) !=
@@ -103,14 +103,14 @@ static lf_visit *begin_visit(lf_web *web, struct MHD_Connection *connection)
         lf_free(new);
         return NULL;
     }
-    new->next = web->visits;
-    web->visits = new;
+    new->next = web->peers;
+    web->peers = new;
     return new;
 }
 
-static void end_visit(lf_web *web, lf_visit *gone)
+static void end_peer(lf_web *web, lf_peer *gone)
 {
-    for (lf_visit **at = &web->visits; *at; at = &(*at)->next) {
+    for (lf_peer **at = &web->peers; *at; at = &(*at)->next) {
         if (*at != gone)
             continue;
         *at = gone->next;
@@ -120,25 +120,25 @@ static void end_visit(lf_web *web, lf_visit *gone)
     lf_free(gone);
 }
 
-/* The context of a connection is its visit. */
-static void on_connection(void *context, struct MHD_Connection *connection, void **visit,
+/* The context of a connection is its peer. */
+static void on_connection(void *context, struct MHD_Connection *connection, void **peer,
                           enum MHD_ConnectionNotificationCode what)
 {
     lf_web *web = context;
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
         web->counts.connections++;
-        *visit = begin_visit(web, connection);
+        *peer = begin_peer(web, connection);
         return;
     }
     web->counts.connections--;
-    if (*visit)
-        end_visit(web, *visit);
-    *visit = NULL;
+    if (*peer)
+        end_peer(web, *peer);
+    *peer = NULL;
     if (!web->ending)
         accept_more(web, true);
 }
 
-static lf_visit *visit_of(struct MHD_Connection *connection)
+static lf_peer *peer_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
@@ -147,8 +147,8 @@ static lf_visit *visit_of(struct MHD_Connection *connection)
 
 lf_patience *lf_request_patience(struct MHD_Connection *connection)
 {
-    const lf_visit *visit = visit_of(connection);
-    return visit ? visit->patience : NULL;
+    const lf_peer *peer = peer_of(connection);
+    return peer ? peer->patience : NULL;
 }
 
 /* ---------------------------------------------------------------------------------- requests -- */
@@ -188,7 +188,7 @@ static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_
 
 /* The headers are there: refuses the request, or makes *out of it. */
 static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection,
-                                     const lf_visit *visit, const char *path, const char *method,
+                                     const lf_peer *peer, const char *path, const char *method,
                                      lf_request **out)
 {
     lf_guard_request headers;
@@ -197,7 +197,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     const lf_route *route = lf_route_find(path, method, &status);
     web->counts.requests++;
     lf_reply_read(connection, path, &headers);
-    headers.zero = visit->zero;
+    headers.zero = peer->zero;
     headers.takes_body = route && route->has_body;
     headers.body_limit = web->upload_limit;
     const int refused = lf_guard_check(&web->guard, &headers, &why);
@@ -230,9 +230,9 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
 static void *on_target(void *context, const char *target, struct MHD_Connection *connection)
 {
     (void)context;
-    lf_visit *visit = visit_of(connection);
-    if (visit)
-        visit->zero = memmem(target, strcspn(target, "?"), "%00", 3);
+    lf_peer *peer = peer_of(connection);
+    if (peer)
+        peer->zero = memmem(target, strcspn(target, "?"), "%00", 3);
     return NULL; /* no request yet */
 }
 
@@ -245,12 +245,12 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     (void)version;
     lf_web *web = context;
     lf_request *r = *out_request;
-    lf_visit *visit = visit_of(connection);
-    if (web->ending || !visit)
+    lf_peer *peer = peer_of(connection);
+    if (web->ending || !peer)
         return MHD_NO;
-    visit->asked = true;
+    peer->asked = true;
     if (!r) {
-        enum MHD_Result result = begin_request(web, connection, visit, path, method, &r);
+        enum MHD_Result result = begin_request(web, connection, peer, path, method, &r);
         *out_request = r;
         return result;
     }

@@ -33,7 +33,7 @@
 #define LF_WEB_SLOW_S 60u
 
 typedef struct lf_seat lf_seat;
-typedef struct lf_visit lf_visit;
+typedef struct lf_peer lf_peer;
 typedef struct lf_request lf_request;
 
 /* Calls of quiltd that do not get into the way of each other: each lane has places of its own. */
@@ -57,7 +57,7 @@ struct lf_web {
     int listen_fd[LF_WEB_MAX_LISTENERS], n_listeners;
     lf_seat *seats;
     int n_seats;
-    lf_visit *visits; /* the newest */
+    lf_peer *peers; /* the newest */
     lf_request *requests;
     int n_fetches[LF_WEB_LANES], n_streams;
     lf_uploads *uploads;
@@ -67,8 +67,8 @@ struct lf_web {
 };
 
 /* A connection of HTTP. */
-struct lf_visit {
-    lf_visit *next; /* older */
+struct lf_peer {
+    lf_peer *next; /* older */
     lf_patience *patience;
     bool asked; /* the headers of a request have come */
     bool zero;  /* the path of the request holds a zero byte */

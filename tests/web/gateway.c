@@ -21,7 +21,8 @@ struct gateway {
     int stop_web, stop_daemon;                               /* eventfds */
     int web_fds[LF_WEB_MAX_LISTENERS], n_web_fds, daemon_fd; /* listening */
     int port;
-    char token[33];
+    const char *public_origin;
+    char url[LF_WEB_URL_SIZE];
     char cookie[128];
     pthread_barrier_t ready;
     pthread_mutex_t lock; /* holds what follows */
@@ -440,13 +441,14 @@ static void *be_gateway(void *context)
     const lf_web_config config = {.listen_fds = g->web_fds,
                                   .n_listen_fds = g->n_web_fds,
                                   .socket = g->socket,
+                                  .public_origin = g->public_origin,
                                   .upload_limit = GATEWAY_UPLOADS};
     if (sd_event_new(&event) < 0 ||
         sd_event_add_io(event, NULL, g->stop_web, POLLIN, on_stop, NULL) < 0 ||
         lf_web_create(event, &config, &web, &err) != LF_OK)
         abort();
     g->port = lf_web_port(web);
-    snprintf(g->token, sizeof g->token, "%s", strchr(lf_web_url(web), '#') + 1);
+    snprintf(g->url, sizeof g->url, "%s", lf_web_url(web));
     pthread_barrier_wait(&g->ready);
     sd_event_loop(event);
     lf_web_destroy(web);
@@ -454,13 +456,14 @@ static void *be_gateway(void *context)
     return NULL;
 }
 
-int lf_gateway_setup(void **state)
+static int set_up(void **state, const char *public_origin)
 {
     gateway *g = calloc(1, sizeof *g);
     static const char *const both[] = {"127.0.0.1:0", "[::1]:0"};
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     lf_error err = {0};
     assert_non_null(g);
+    g->public_origin = public_origin;
     g->folder = lf_test_folder();
     assert_true(snprintf(g->socket, sizeof g->socket, "%s/sock", g->folder) < 108);
     memcpy(address.sun_path, g->socket, sizeof address.sun_path);
@@ -479,6 +482,16 @@ int lf_gateway_setup(void **state)
     pthread_barrier_wait(&g->ready);
     *state = g;
     return 0;
+}
+
+int lf_gateway_setup(void **state)
+{
+    return set_up(state, NULL);
+}
+
+int lf_gateway_public_setup(void **state)
+{
+    return set_up(state, "https://panel.test");
 }
 
 int lf_gateway_teardown(void **state)
@@ -514,15 +527,20 @@ bool lf_gateway_has_v6(const gateway *g)
     return g->n_web_fds == 2;
 }
 
+const char *lf_gateway_url(const gateway *g)
+{
+    return g->url;
+}
+
 const char *lf_gateway_token(const gateway *g)
 {
-    return g->token;
+    return strchr(g->url, '#') + 1;
 }
 
 const char *lf_gateway_cookie(gateway *g)
 {
     char header[80];
-    snprintf(header, sizeof header, "Authorization: Bearer %s\r\n", g->token);
+    snprintf(header, sizeof header, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
     const char *answer = lf_caller_get(g, "POST /api/login HTTP/1.1", header);
     const char *at = strstr(answer, "Set-Cookie: ");
     assert_int_equal(lf_caller_status(answer), 204);

@@ -16,6 +16,10 @@ typedef struct gateway gateway;
 /* *state is the gateway. */
 int lf_gateway_setup(void **state);
 int lf_gateway_teardown(void **state);
+/* One with --public https://panel.test. */
+int lf_gateway_public_setup(void **state);
+#define lf_gateway_public_test(test)                                                               \
+    cmocka_unit_test_setup_teardown(test, lf_gateway_public_setup, lf_gateway_teardown)
 #define lf_gateway_test(test)                                                                      \
     cmocka_unit_test_setup_teardown(test, lf_gateway_setup, lf_gateway_teardown)
 
@@ -23,6 +27,8 @@ int lf_gateway_port(const gateway *g);
 /* Whether it listens on [::1], too, and not only on 127.0.0.1. */
 bool lf_gateway_has_v6(const gateway *g);
 const char *lf_gateway_token(const gateway *g);
+/* With the token. */
+const char *lf_gateway_url(const gateway *g);
 /* "quiltweb-PORT=…" as the gateway gives it for the token. */
 const char *lf_gateway_cookie(gateway *g);
 

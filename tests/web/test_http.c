@@ -230,6 +230,59 @@ static void an_end_while_an_image_is_awaited_is_clean(void **state)
     close(fd);
 }
 
+/* The server with TLS keeps the Host; the browser then sends the cookie over https alone. */
+static void the_public_page_has_a_secure_cookie(void **state)
+{
+    gateway *g = *state;
+    char request[512], cookie[160];
+    snprintf(request, sizeof request, "https://panel.test/#%s", lf_gateway_token(g));
+    assert_string_equal(lf_gateway_url(g), request);
+    snprintf(request, sizeof request,
+             "POST /api/login HTTP/1.1\r\nHost: panel.test\r\nOrigin: https://panel.test\r\n%s\r\n",
+             bearer(g));
+    const char *answer = lf_caller_ask(g, request);
+    assert_int_equal(lf_caller_status(answer), 204);
+    assert_non_null(strstr(answer, "; SameSite=Strict; HttpOnly; Path=/; Secure\r\n"));
+    snprintf(cookie, sizeof cookie, "%s", lf_gateway_cookie(g)); /* of the plain page */
+    answer = lf_caller_get(g, "POST /api/login HTTP/1.1", bearer(g));
+    assert_non_null(strstr(answer, "; SameSite=Strict; HttpOnly; Path=/\r\n"));
+    static const struct {
+        const char *line, *origin, *more;
+        int status;
+    } rows[] = {
+        {"GET /api/status", "https://panel.test", "", 200},
+        {"PUT /api/upload?name=a", "https://panel.test", "Content-Length: 0\r\n", 201},
+        {"PUT /api/upload?name=a", "http://panel.test", "Content-Length: 0\r\n", 403},
+        {"PUT /api/upload?name=a", "https://evil.test", "Content-Length: 0\r\n", 403},
+        {"GET /rpc", "https://panel.test", "", 426},
+        {"GET /rpc", "http://panel.test", "", 403},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        snprintf(request, sizeof request,
+                 "%s HTTP/1.1\r\nHost: panel.test\r\nOrigin: %s\r\nCookie: %s\r\n%s\r\n",
+                 rows[i].line, rows[i].origin, cookie, rows[i].more);
+        check_raw(g, request, rows[i].status);
+    }
+}
+
+/* Eight short calls of quiltd at once. */
+static void the_ninth_call_is_refused(void **state)
+{
+    gateway *g = *state;
+    enum { MOST = 8 };
+    int fds[MOST];
+    lf_gateway_answer_images(g, false);
+    for (int i = 0; i < MOST; i++)
+        fds[i] = lf_caller_begin(g, "GET /preview.jpg HTTP/1.1", "");
+    while (lf_gateway_calls(g, "frame.get") < MOST)
+        usleep(1000);
+    check_status(g, "GET /api/status HTTP/1.1", bearer(g), 503);
+    lf_gateway_hang_up(g);
+    for (int i = 0; i < MOST; i++)
+        assert_int_equal(lf_caller_status(lf_caller_rest(fds[i])), 503);
+    check_status(g, "GET /api/status HTTP/1.1", bearer(g), 200);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -242,6 +295,8 @@ int main(void)
         lf_gateway_test(the_token_becomes_a_cookie),
         lf_gateway_test(a_cookie_reads_for_its_own_page_alone),
         lf_gateway_test(status_and_preview_come_from_quiltd),
+        lf_gateway_public_test(the_public_page_has_a_secure_cookie),
+        lf_gateway_test(the_ninth_call_is_refused),
         lf_gateway_test(a_quiltd_that_leaves_is_told),
         lf_gateway_test(an_end_while_an_image_is_awaited_is_clean),
     };

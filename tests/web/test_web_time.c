@@ -1,38 +1,13 @@
-/* What takes too long: connections, bodies, readers, files that nobody fetches. Time passes when
- * the test says so. */
-#include "tests/web/clock.h"
-
-#include <arpa/inet.h>
-#include <errno.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <sys/un.h>
+/* What takes too long: patience, readers, files that nobody fetches, images. Time passes when the
+ * test says so. */
+#include "tests/web/told_quiltd.h"
 
 #include "daemon/web/downloads.h"
-#include "daemon/web/listen.h"
 #include "daemon/web/patience.h"
 #include "daemon/web/session.h"
 #include "daemon/web/stream.h"
 #include "daemon/web/uploads.h"
-#include "daemon/web/web.h"
 #include "daemon/web/ws.h"
-
-static sd_event *event;
-
-static int setup(void **state)
-{
-    (void)state;
-    assert_true(sd_event_new(&event) >= 0);
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    (void)state;
-    lf_clock_finish();
-    event = sd_event_unref(event);
-    return 0;
-}
 
 static void make_pair(int fds[2])
 {
@@ -43,13 +18,6 @@ static void close_pair(const int fds[2])
 {
     close(fds[0]);
     close(fds[1]);
-}
-
-/* Nothing came, and the other side is there. */
-static bool is_open(int fd)
-{
-    char byte;
-    return recv(fd, &byte, 1, MSG_DONTWAIT | MSG_PEEK) < 0 && errno == EAGAIN;
 }
 
 /* ---------------------------------------------------------------------------------- patience -- */
@@ -154,16 +122,6 @@ static void on_text(void *context, const char *text, size_t n)
     (void)context;
     (void)text;
     (void)n;
-}
-
-/* Takes all that is there. */
-static size_t drain(int fd)
-{
-    static char taken[1 << 16];
-    size_t all = 0;
-    for (ssize_t n; (n = recv(fd, taken, sizeof taken, MSG_DONTWAIT)) > 0;)
-        all += (size_t)n;
-    return all;
 }
 
 static void a_reader_has_to_take_a_part_of_what_waits(void **state)
@@ -326,69 +284,6 @@ static void a_finished_export_does_not_make_room_for_others(void **state)
 
 /* ------------------------------------------------------------------------------------ images -- */
 
-/* A quiltd that says what the test says: its listening socket, at a path in a folder. */
-static int listen_as_quiltd(const char *folder, char path[108])
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    assert_true(snprintf(path, 108, "%s/sock", folder) < 108);
-    memcpy(address.sun_path, path, sizeof address.sun_path);
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    assert_int_equal(bind(fd, (const struct sockaddr *)&address, sizeof address), 0);
-    assert_int_equal(listen(fd, 16), 0);
-    return fd;
-}
-
-/* What came of the gateway since the last call, terminated, in a static buffer; a descriptor that
- * came with it in *out_fd, if it is wanted. */
-static const char *hear(int fd, int *out_fd)
-{
-    static char text[4096];
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(sizeof(int))];
-    } control;
-    size_t used = 0;
-    lf_clock_settle(event);
-    for (ssize_t n = 1; n > 0; used += n > 0 ? (size_t)n : 0) {
-        struct iovec vector = {text + used, sizeof text - 1 - used};
-        struct msghdr message = {.msg_iov = &vector,
-                                 .msg_iovlen = 1,
-                                 .msg_control = &control,
-                                 .msg_controllen = sizeof control};
-        n = recvmsg(fd, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-        const struct cmsghdr *c = n > 0 ? CMSG_FIRSTHDR(&message) : NULL;
-        int passed = -1;
-        if (!c)
-            continue;
-        memcpy(&passed, CMSG_DATA(c), sizeof passed);
-        if (out_fd)
-            *out_fd = passed;
-        else
-            close(passed);
-    }
-    text[used] = '\0';
-    return text;
-}
-
-static void say(int fd, const char *text)
-{
-    for (size_t n = strlen(text); n > 0;) {
-        ssize_t sent = send(fd, text, n, MSG_DONTWAIT | MSG_NOSIGNAL);
-        text += sent > 0 ? sent : 0;
-        n -= sent > 0 ? (size_t)sent : 0;
-        lf_clock_settle(event);
-    }
-}
-
-/* Answers the call that limits rights; all other calls wait for it. */
-static void limit_rights(int quiltd)
-{
-    const char *call = hear(quiltd, NULL);
-    assert_non_null(strstr(call, "rights.limit"));
-    assert_ptr_equal(strchr(call, '\n') + 1, call + strlen(call));
-    say(quiltd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:rights\",\"result\":{}}\n");
-}
-
 /* No image is asked for while much waits for the client. */
 static void a_slow_reader_gets_no_image(void **state)
 {
@@ -504,280 +399,6 @@ static void a_repeat_waits_for_an_image_on_its_way(void **state)
     lf_test_folder_remove(folder);
 }
 
-/* ------------------------------------------------------------------------------- the gateway -- */
-
-static lf_web *begin_web_for(const char *path)
-{
-    lf_error err = {0};
-    lf_web *web = NULL;
-    int fd = -1;
-    const lf_web_config config = {
-        .listen_fds = &fd, .n_listen_fds = 1, .socket = path, .upload_limit = 1 << 20};
-    lf_assert_ok(lf_web_listen("127.0.0.1:0", &fd, &err), &err);
-    lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
-    return web;
-}
-
-static lf_web *begin_web(void)
-{
-    return begin_web_for("/nowhere");
-}
-
-static int connect_client(const lf_web *web)
-{
-    const struct sockaddr_in address = {.sin_family = AF_INET,
-                                        .sin_port = htons((uint16_t)lf_web_port(web)),
-                                        .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
-    lf_clock_settle(event);
-    return fd;
-}
-
-/* A client that has sent its headers. */
-static int begin_client(const lf_web *web, const char *line, const char *headers)
-{
-    char request[512];
-    int fd = connect_client(web);
-    const int n =
-        snprintf(request, sizeof request,
-                 "%s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n%s\r\n", line,
-                 lf_web_port(web), strchr(lf_web_url(web), '#') + 1, headers);
-    assert_int_equal(send(fd, request, (size_t)n, MSG_NOSIGNAL), n);
-    return fd;
-}
-
-static void a_body_may_take_long_if_it_moves(void **state)
-{
-    (void)state;
-    static char part[LF_PATIENCE_BYTES];
-    lf_web *web = begin_web();
-    char answer[64] = "";
-    int fast = begin_client(web, "PUT /api/upload?name=a", "Content-Length: 196608\r\n");
-    int slow = begin_client(web, "PUT /api/upload?name=b", "Content-Length: 196608\r\n");
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(send(fast, part, sizeof part, MSG_NOSIGNAL), sizeof part);
-        assert_true(i > 0 || send(slow, part, sizeof part - 1, MSG_NOSIGNAL) > 0);
-        lf_clock_settle(event);
-        if (i < 2) {
-            lf_clock_pass(event, 10);
-            assert_true(is_open(fast));
-            assert_false(is_open(slow));
-        }
-    }
-    assert_true(recv(fast, answer, sizeof answer - 1, MSG_DONTWAIT) > 0);
-    assert_memory_equal(answer, "HTTP/1.1 201", 12);
-    close(fast);
-    close(slow);
-    lf_web_destroy(web);
-}
-
-/* A client of the web, behind which quiltd does what the test says. */
-typedef struct behind {
-    char *folder, path[108];
-    int listener, quiltd;
-    lf_web *web;
-} behind;
-
-static behind begin_behind(void)
-{
-    behind b = {.folder = lf_test_folder(), .quiltd = -1};
-    b.listener = listen_as_quiltd(b.folder, b.path);
-    b.web = begin_web_for(b.path);
-    return b;
-}
-
-static void end_behind(const behind *b)
-{
-    lf_web_destroy(b->web);
-    close(b->quiltd);
-    close(b->listener);
-    lf_test_folder_remove(b->folder);
-}
-
-/* A stream is repeated as long as quiltd answers, and ends if it does not. */
-static void a_stream_ends_with_a_quiltd_that_hangs(void **state)
-{
-    (void)state;
-    static const char answer[] =
-        "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:stream\",\"result\":{\"columns\":1,\"rows\":1,"
-        "\"views\":1,\"width\":2,\"height\":2,\"bytes\":5}}\n";
-    behind b = begin_behind();
-    int file = -1, fd = begin_client(b.web, "GET /preview.mjpg", "");
-    lf_clock_settle(event);
-    b.quiltd = accept(b.listener, NULL, NULL);
-    limit_rights(b.quiltd);
-    assert_non_null(strstr(hear(b.quiltd, &file), "frame.get"));
-    assert_int_equal(write(file, "image", 5), 5);
-    close(file);
-    say(b.quiltd, answer);
-    for (int s = 0; s <= 70; s += LF_STREAM_REPEAT_S) {
-        assert_true(drain(fd) > 0);
-        lf_clock_pass(event, LF_STREAM_REPEAT_S);
-    }
-    say(b.quiltd, "{\"jsonrpc\":\"2.0\",\"method\":\"frame\",\"params\":{}}\n");
-    assert_non_null(strstr(hear(b.quiltd, NULL), "frame.get")); /* and no answer */
-    (void)drain(fd);
-    for (int s = 0; s < 50; s += LF_STREAM_REPEAT_S)
-        lf_clock_pass(event, LF_STREAM_REPEAT_S);
-    assert_true(is_open(fd));
-    for (int s = 50; s < 70; s += LF_STREAM_REPEAT_S)
-        lf_clock_pass(event, LF_STREAM_REPEAT_S);
-    assert_false(is_open(fd));
-    close(fd);
-    end_behind(&b);
-}
-
-static void send_text(int fd, const char *text)
-{
-    enum { LENGTH = 200 };
-    char frame[8 + LENGTH + 1] = {'\x81', (char)(0x80 | 126), 0,
-                                  (char)LENGTH}; /* its mask is zero */
-    snprintf(frame + 8, LENGTH + 1, "%-*s", LENGTH, text);
-    assert_int_equal(send(fd, frame, 8 + LENGTH, MSG_NOSIGNAL), 8 + LENGTH);
-    lf_clock_settle(event);
-}
-
-/* The path of an export of so many bytes. */
-static const char *export_file(behind *b, off_t bytes)
-{
-    int file = -1, fd = begin_client(b->web, "GET /rpc",
-                                     "Upgrade: websocket\r\nConnection: Upgrade\r\n"
-                                     "Sec-WebSocket-Version: 13\r\n"
-                                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n");
-    static char text[4096];
-    lf_clock_settle(event);
-    b->quiltd = accept(b->listener, NULL, NULL);
-    limit_rights(b->quiltd);
-    send_text(fd,
-              "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"export\",\"params\":{\"kind\":\"still\","
-              "\"file\":\"a.png\"}}");
-    assert_non_null(strstr(hear(b->quiltd, &file), "\"export\""));
-    assert_int_equal(ftruncate(file, bytes), 0);
-    close(file);
-    say(b->quiltd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:export:1\",\"result\":{\"job\":1}}\n"
-                   "{\"jsonrpc\":\"2.0\",\"method\":\"export\",\"params\":{\"job\":1,"
-                   "\"state\":\"done\"}}\n");
-    char *path = NULL;
-    for (size_t used = 0; !path || !strchr(path, '"'); path = strstr(text, LF_DOWNLOADS_PREFIX)) {
-        const ssize_t n = recv(fd, text + used, sizeof text - 1 - used, 0);
-        assert_true(n > 0);
-        for (ssize_t i = 0; i < n; i++) /* heads of frames */
-            text[used + (size_t)i] = text[used + (size_t)i] ? text[used + (size_t)i] : ' ';
-        used += (size_t)n;
-        text[used] = '\0';
-    }
-    path[strcspn(path, "\"")] = '\0';
-    close(fd);
-    return path;
-}
-
-/* One that takes a part in each minute would hold a large file for days. */
-static void a_download_needs_a_mean_rate(void **state)
-{
-    (void)state;
-    enum { SIZE = 1 << 28, PERIODS = 60, PART = 1 << 20 };
-    static char part[PART];
-    char line[256];
-    behind b = begin_behind();
-    snprintf(line, sizeof line, "GET %s", export_file(&b, SIZE));
-    for (int fast = 1; fast >= 0; fast--) {
-        ssize_t n = 1;
-        size_t taken = 0;
-        int fd = begin_client(b.web, line, ""), periods = 0;
-        for (; periods < PERIODS && n > 0; periods++) {
-            for (int i = 0; i < (fast ? 16 : 1) && n > 0; i++) {
-                lf_clock_settle(event);
-                n = recv(fd, part, sizeof part, MSG_DONTWAIT);
-                taken += n > 0 ? (size_t)n : 0;
-            }
-            lf_clock_pass(event, 60);
-        }
-        assert_true(fast ? taken > SIZE : taken < SIZE / 2);
-        close(fd);
-    }
-    end_behind(&b);
-}
-
-/* Clients that only connect do not keep others out. */
-static void the_oldest_silent_connection_makes_room(void **state)
-{
-    (void)state;
-    lf_web *web = begin_web();
-    int fds[LF_WEB_MAX_CONNECTIONS];
-    char answer[64] = "";
-    fds[0] = begin_client(web, "PUT /api/upload?name=a", "Content-Length: 10\r\n");
-    for (int i = 1; i < LF_WEB_MAX_CONNECTIONS; i++)
-        fds[i] = connect_client(web);
-    for (int i = 0; i < LF_WEB_MAX_CONNECTIONS; i++)
-        assert_true(is_open(fds[i]));
-    int fd = begin_client(web, "GET /", "");
-    lf_clock_settle(event);
-    assert_true(recv(fd, answer, sizeof answer - 1, MSG_DONTWAIT) > 0);
-    assert_memory_equal(answer, "HTTP/1.1 200", 12);
-    for (int i = 0; i < LF_WEB_MAX_CONNECTIONS; i++) {
-        assert_int_equal(is_open(fds[i]), i != 1);
-        close(fds[i]);
-    }
-    close(fd);
-    lf_web_destroy(web);
-}
-
-/* Nobody waits any more for one whose time is over. */
-static void a_late_thumbnail_is_not_asked_for(void **state)
-{
-    (void)state;
-    enum { AT_ONCE = 4, ALL = 2 * AT_ONCE + 1 };
-    char *folder = lf_test_folder(), path[108], answer[16] = "";
-    int listener = listen_as_quiltd(folder, path), fds[ALL], quiltd, n = 0;
-    lf_web *web = begin_web_for(path);
-    for (int i = 0; i < ALL; i++) {
-        fds[i] = begin_client(web, "GET /api/thumbnail?file=/a", "");
-        lf_clock_settle(event);
-    }
-    lf_clock_pass(event, 8); /* the first ones are given up, and the next ones asked for */
-    for (int i = 0; i < AT_ONCE; i++) {
-        assert_int_equal(recv(fds[i], answer, 12, 0), 12);
-        assert_string_equal(answer, "HTTP/1.1 503");
-    }
-    lf_clock_pass(event, 8);
-    for (int i = AT_ONCE; i < ALL; i++)
-        assert_false(is_open(fds[i]));
-    while ((quiltd = accept(listener, NULL, NULL)) >= 0) {
-        close(quiltd);
-        n++;
-    }
-    assert_int_equal(n, 2 * AT_ONCE);
-    for (int i = 0; i < ALL; i++)
-        close(fds[i]);
-    lf_web_destroy(web);
-    close(listener);
-    lf_test_folder_remove(folder);
-}
-
-/* What has come but was not read at the end is not answered any more. */
-static void nobody_is_let_in_at_the_end(void **state)
-{
-    (void)state;
-    lf_web *web = begin_web();
-    char byte;
-    int fd = begin_client(web, "GET /", "");
-    int socket = begin_client(web, "GET /rpc",
-                              "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: "
-                              "13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n");
-    lf_clock_settle(event);
-    assert_int_equal(recv(fd, &byte, 1, MSG_DONTWAIT), 1); /* before the end, it is */
-    assert_int_equal(recv(socket, &byte, 1, MSG_DONTWAIT), 1);
-    close(fd);
-    close(socket);
-    fd = begin_client(web, "GET /", "");
-    lf_web_destroy(web);
-    assert_true(recv(fd, &byte, 1, 0) <= 0);
-    close(fd);
-}
-
-#define timed(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -793,12 +414,6 @@ int main(void)
         timed(a_slow_reader_gets_no_image),
         timed(a_stream_repeats_its_image),
         timed(a_repeat_waits_for_an_image_on_its_way),
-        timed(a_body_may_take_long_if_it_moves),
-        timed(the_oldest_silent_connection_makes_room),
-        timed(a_stream_ends_with_a_quiltd_that_hangs),
-        timed(a_download_needs_a_mean_rate),
-        timed(a_late_thumbnail_is_not_asked_for),
-        timed(nobody_is_let_in_at_the_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -275,6 +275,29 @@ static void a_message_has_a_thousand_frames_at_most(void **state)
     close(fd);
 }
 
+/* quiltd does not read; at 4 MiB of requests the client is told. */
+static void requests_that_wait_are_bounded(void **state)
+{
+    gateway *g = *state;
+    enum { SIZE = 1 << 20 };
+    char *text = malloc(SIZE), *at = text;
+    assert_non_null(text);
+    static const char call[] = "{\"jsonrpc\":\"2.0\",\"method\":\"log.tail\",\"params\":{\"x\":\"";
+    memset(text, 'x', SIZE);
+    memcpy(at, call, strlen(call));
+    memcpy(text + SIZE - 3, "\"}}", 3);
+    lf_gateway_set_rights(g, LF_RIGHTS_SILENT);
+    int fd = lf_talk_open(g);
+    for (int i = 0; i < 4; i++) /* a little less than 4 MiB */
+        lf_talk_send(fd, 1, text, i < 3 ? SIZE : SIZE / 2);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"shutdown\"}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "-32601"));
+    lf_talk_send(fd, 1, text, SIZE);
+    assert_int_equal(close_code(fd), 1008);
+    close(fd);
+    free(text);
+}
+
 /* A short message may be a long line: 1e9 becomes 1000000000.0. */
 static void long_lines_are_refused_with_their_id(void **state)
 {
@@ -538,6 +561,7 @@ int main(void)
         lf_gateway_test(a_subscription_keeps_frames),
         lf_gateway_test(long_messages_are_closed_with_1009),
         lf_gateway_test(a_message_has_a_thousand_frames_at_most),
+        lf_gateway_test(requests_that_wait_are_bounded),
         lf_gateway_test(long_lines_are_refused_with_their_id),
         lf_gateway_test(other_breaches_are_closed),
         lf_gateway_test(a_quiltd_that_ends_closes_its_clients),
