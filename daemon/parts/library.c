@@ -160,11 +160,13 @@ static void on_done(void *context, lf_errand *errand)
 /* Takes ownership of what; NULL: out of memory. */
 static lf_status add(lf_errands *errands, request *what, const char *method, lf_error *err)
 {
-    if (what && lf_errands_add(errands, &what->errand, NULL) == LF_OK)
+    lf_error why = {.what = "out of memory"};
+    lf_status status = what ? lf_errands_add(errands, &what->errand, &why) : LF_E_NOMEM;
+    if (status == LF_OK)
         return LF_OK;
     if (what)
         free_request(what);
-    return lf_error_set(err, LF_E_NOMEM, method, "cannot start a thread");
+    return lf_error_set(err, status, method, "%s", why.what);
 }
 
 lf_status lf_library_list(lf_library *library, uint64_t client, char *folder, void *call,
