@@ -169,6 +169,8 @@ void lf_server_tell_card(lf_server *server);
 
 /* Examines panels and system; the call is answered when all is known. */
 void lf_server_doctor(lf_call *call);
+/* Drops the call of a client that has left. */
+void lf_server_doctor_end_of(lf_server *server, uint64_t client);
 /* An event of the show: the examination has ended. */
 void lf_server_examined(void *context, void *examination, const lf_error *err);
 
