@@ -357,6 +357,17 @@ static void quiltctl_shows_a_file(void **state)
     assert_string_equal(live_status_text(&s.c, "scene"), "holiday");
     get_frame(&s, shown);
     assert_memory_equal(shown, pixels, BYTES);
+    /* names that quiltd would refuse */
+    char name[161] = "";
+    memset(name, 'n', sizeof name - 1);
+    const char *const odd[] = {name, "two\nlines"};
+    for (size_t i = 0; i < 2; i++) {
+        path = write_png(&s, odd[i], pixels);
+        assert_int_equal(live_run(&s.l, "quiltctl", "--socket", s.l.socket, "quilt.show", path,
+                                  "columns=3", "rows=2", NULL),
+                         0);
+        assert_string_equal(live_status_text(&s.c, "scene"), "quilt");
+    }
     assert_int_equal(live_run(&s.l, "quiltctl", "--socket", s.l.socket, "quilt.show", "columns=3",
                               "rows=2", NULL),
                      2);
