@@ -150,8 +150,9 @@ lf_status lf_quilt_cut(const lf_raster *picture, const char *name, const lf_quil
 {
     lf_quilt_file q = {
         .layout = {.columns = tiles->columns, .rows = tiles->rows, .n_views = tiles->n_views}};
-    if (lf_quilt_tiles_check(tiles, picture->width, picture->height, name, err) != LF_OK)
-        return LF_E_FORMAT;
+    lf_error why;
+    if (lf_quilt_tiles_check(tiles, picture->width, picture->height, name, &why) != LF_OK)
+        return lf_error_set(err, LF_E_FORMAT, name, "%s", why.what);
     lf_status status = cut_quilt(name, picture, photo, &q, err);
     lf_image_note_lines(&q.notes, picture->meta.notes.text, picture->meta.notes.length);
     if (status == LF_OK)

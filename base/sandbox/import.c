@@ -285,7 +285,7 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
         trial.share = lf_import_share_begin(trial.again);
         trial.again = false;
         status = run(request, fd, where, open, context, &trial, out, err);
-        lf_import_share_end();
+        lf_import_share_end(&trial.share);
     } while (trial.again);
     if (trial.file.told)
         tell_watcher(&trial.file, true);

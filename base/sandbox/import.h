@@ -37,6 +37,10 @@ void lf_import_limit(uint64_t memory, int seconds);
  * read; negative: fewer. Each reader first gets its share of the memory, then, if it needs more,
  * all of it, alone. Thread: any. */
 void lf_import_expect(int more);
+/* Announces that quiet groups (import_group.h) may read `more` files at once; negative: fewer. From
+ * then on each of them has an eighth of the memory, at most 1 GiB, which other readers never have;
+ * if that is too little for a reader, it runs alone. Thread: any. */
+void lf_import_expect_quiet(int more);
 /* For the end of the program: reading in progress ends within a tenth of a second, and new reading
  * fails: LF_E_CANCELLED. Signal handlers may call it. Thread: any. */
 void lf_import_stop(void);

@@ -11,7 +11,9 @@
 typedef struct lf_import_group {
     struct lf_import_group *whole; /* parent group, whose time limit applies; NULL: none */
     atomic_bool cancelled;
-    bool is_quiet; /* lf_import_watch hears nothing of its files; to be set after the begin */
+    /* lf_import_watch hears nothing of its files, and they are read in memory of their own
+     * (lf_import_expect_quiet); to be set after the begin */
+    bool is_quiet;
     /* private to import_group.c: files being read, start of the current period of reading, total
      * seconds of earlier periods */
     int n_reading;

@@ -10,8 +10,10 @@
 #include "daemon/parts/library_list.h"
 #include "daemon/threads/errands.h"
 
-/* Of each kind, so that a slow picture delays no listing. Each thumbnail holds a picture. */
-#define AT_ONCE 4
+/* Of each kind, so that a slow picture delays no listing. Each thumbnail holds a picture, and its
+ * reader has memory that the scene's readers lack. */
+#define LISTS_AT_ONCE 4
+#define THUMBNAILS_AT_ONCE 2
 
 typedef struct request {
     lf_errand errand;
@@ -37,8 +39,10 @@ lf_status lf_library_create(lf_inbox *inbox, const lf_roots *roots, lf_library_e
     if (!library)
         return LF_E_NOMEM;
     *library = (lf_library){NULL, NULL, roots, ended, context};
-    if (lf_errands_create("lf-list", AT_ONCE, library, inbox, &library->lists) != LF_OK ||
-        lf_errands_create("lf-thumbnail", AT_ONCE, library, inbox, &library->thumbnails) != LF_OK) {
+    lf_import_expect_quiet(THUMBNAILS_AT_ONCE);
+    if (lf_errands_create("lf-list", LISTS_AT_ONCE, library, inbox, &library->lists) != LF_OK ||
+        lf_errands_create("lf-thumbnail", THUMBNAILS_AT_ONCE, library, inbox,
+                          &library->thumbnails) != LF_OK) {
         lf_library_destroy(library);
         return LF_E_NOMEM;
     }
@@ -52,6 +56,7 @@ void lf_library_destroy(lf_library *library)
         return;
     lf_errands_destroy(library->lists);
     lf_errands_destroy(library->thumbnails);
+    lf_import_expect_quiet(-THUMBNAILS_AT_ONCE);
     lf_free(library);
 }
 
@@ -102,16 +107,14 @@ static lf_status write_thumbnail(request *r, lf_outfile *file, lf_error *err)
     return r->result ? LF_OK : lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
 }
 
-/* Its reader gets a share of the readers' memory, and is no reading of the scene. */
+/* Its reader has memory of its own, and is no reading of the scene. */
 static lf_status read_picture(request *r, lf_outfile *file, lf_error *err)
 {
     lf_import_group *before = lf_import_group_begin(&r->group);
     r->group.is_quiet = true;
-    lf_import_expect(1);
     lf_status status = atomic_load(&r->errand.cancel)
                            ? lf_error_set(err, LF_E_CANCELLED, r->path, "cancelled")
                            : write_thumbnail(r, file, err);
-    lf_import_expect(-1);
     (void)lf_import_group_enter(before);
     return status;
 }
@@ -160,11 +163,13 @@ static void on_done(void *context, lf_errand *errand)
 /* Takes ownership of what; NULL: out of memory. */
 static lf_status add(lf_errands *errands, request *what, const char *method, lf_error *err)
 {
-    if (what && lf_errands_add(errands, &what->errand, NULL) == LF_OK)
+    lf_error why = {.what = "out of memory"};
+    lf_status status = what ? lf_errands_add(errands, &what->errand, &why) : LF_E_NOMEM;
+    if (status == LF_OK)
         return LF_OK;
     if (what)
         free_request(what);
-    return lf_error_set(err, LF_E_NOMEM, method, "cannot start a thread");
+    return lf_error_set(err, status, method, "%s", why.what);
 }
 
 lf_status lf_library_list(lf_library *library, uint64_t client, char *folder, void *call,

@@ -26,12 +26,12 @@ void lf_library_destroy(lf_library *library);
 LF_NODISCARD lf_status lf_library_check_room(const lf_library *library, uint64_t client,
                                              const char *method, lf_error *err);
 /* Lists a folder (absolute; NULL: the roots) as library.list does. Takes ownership of folder, also
- * on failure. LF_E_NOMEM: `ended` is not called. */
+ * on failure. LF_E_BUSY (errands.h), LF_E_NOMEM: `ended` is not called. */
 LF_NODISCARD lf_status lf_library_list(lf_library *library, uint64_t client, char *folder,
                                        void *call, lf_error *err);
 /* Writes a thumbnail of the file (absolute) to fd, which must be open for writing. Takes ownership
- * of file and fd, also on failure. The result has width, height and bytes. LF_E_NOMEM: `ended` is
- * not called. */
+ * of file and fd, also on failure. The result has width, height and bytes. LF_E_BUSY
+ * (errands.h), LF_E_NOMEM: `ended` is not called. */
 LF_NODISCARD lf_status lf_library_thumbnail(lf_library *library, uint64_t client, char *file,
                                             int width, int fd, void *call, lf_error *err);
 /* True while there is a request. */

@@ -20,6 +20,8 @@ struct lf_playlist {
     bool loaded;  /* the current entry */
     bool timed;   /* its time runs … */
     double since; /* … since then (lf_time_now) */
+    int on_panel; /* the last entry that was loaded while the list is played; -1: none */
+    bool untold;  /* the current entry has changed since the last event `changed` */
     int step;     /* direction in which entries that fail are skipped */
     int n_failed;
 };
@@ -38,6 +40,12 @@ lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
                                .index = playlist->index,
                                .playing = playlist->playing,
                                .loop = playlist->loop};
+}
+
+static void tell(lf_playlist *playlist)
+{
+    playlist->untold = false;
+    playlist->events.changed(playlist->context);
 }
 
 /* ------------------------------------------------------------------------------- its entries -- */
@@ -127,7 +135,7 @@ static int on_time(sd_event_source *source, uint64_t usec, void *context)
         choose(playlist, next);
     else
         end(playlist);
-    playlist->events.changed(playlist->context);
+    tell(playlist);
     return 0;
 }
 
@@ -149,10 +157,22 @@ static void tell_failure(lf_playlist *playlist, const lf_error *err)
     entry->told = true;
 }
 
-/* The next entry in the same direction, or at the first one forwards again. */
+/* The current entry is loaded, now or by an earlier load. */
+static void succeed(lf_playlist *playlist)
+{
+    playlist->loaded = true;
+    playlist->on_panel = playlist->index;
+    playlist->n_failed = 0;
+    playlist->step = 1;
+    start_time(playlist);
+}
+
+/* The next entry in the same direction, or at the first one forwards again. One that is still on
+ * the panel is not loaded again. A run of entries that fail is told at its end. */
 static void skip(lf_playlist *playlist)
 {
     int next = neighbour(playlist, playlist->step);
+    playlist->untold = false;
     if (next < 0 && playlist->step < 0) {
         playlist->step = 1;
         next = neighbour(playlist, 1);
@@ -161,12 +181,17 @@ static void skip(lf_playlist *playlist)
         lf_log(LF_LOG_WARNING, "playlist: none of its %d entries can be shown; it stops",
                playlist->n);
         halt(playlist);
-    } else if (next >= 0) {
-        choose(playlist, next);
-    } else {
+    } else if (next < 0) {
         end(playlist);
+    } else if (playlist->playing && next == playlist->on_panel) {
+        playlist->index = next;
+        succeed(playlist);
+    } else {
+        choose(playlist, next);
+        playlist->untold = playlist->pace.on_its_way;
     }
-    playlist->events.changed(playlist->context);
+    if (!playlist->untold)
+        tell(playlist);
 }
 
 void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_error *err)
@@ -174,16 +199,17 @@ void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_erro
     lf_pace_loaded(&playlist->pace, generation);
     if (playlist->vain) {
         playlist->vain = false;
+        if (!err) /* too late to be cancelled */
+            playlist->on_panel = -1;
         load_wanted(playlist);
     } else if (err) {
         tell_failure(playlist, err);
         skip(playlist);
     } else {
-        playlist->loaded = true;
         playlist->entries[playlist->index].told = false;
-        playlist->n_failed = 0;
-        playlist->step = 1;
-        start_time(playlist);
+        succeed(playlist);
+        if (playlist->untold)
+            tell(playlist);
     }
 }
 
@@ -204,6 +230,7 @@ static int find(const lf_playlist_entry *entries, int n, const char *file, int i
 static void keep(lf_playlist *playlist, int index)
 {
     playlist->index = index;
+    playlist->on_panel = playlist->loaded ? index : -1;
     if (playlist->timed)
         set_timer(playlist);
 }
@@ -213,6 +240,7 @@ static void forget(lf_playlist *playlist)
     halt(playlist);
     drop_load(playlist);
     playlist->index = 0;
+    playlist->on_panel = -1;
     playlist->loaded = playlist->ended = false;
 }
 
@@ -234,7 +262,7 @@ void lf_playlist_set(lf_playlist *playlist, lf_playlist_entry *entries, int n, b
         if (playlist->playing)
             choose(playlist, 0);
     }
-    playlist->events.changed(playlist->context);
+    tell(playlist);
 }
 
 static void show(lf_playlist *playlist, int index, int step)
@@ -242,7 +270,7 @@ static void show(lf_playlist *playlist, int index, int step)
     playlist->step = step;
     playlist->n_failed = 0;
     choose(playlist, index);
-    playlist->events.changed(playlist->context);
+    tell(playlist);
 }
 
 void lf_playlist_play(lf_playlist *playlist, int index)
@@ -251,8 +279,10 @@ void lf_playlist_play(lf_playlist *playlist, int index)
         return;
     if (index < 0)
         index = playlist->ended ? 0 : playlist->index;
-    if (!playlist->playing)
+    if (!playlist->playing) {
         lf_log(LF_LOG_INFO, "playlist: plays %d entries", playlist->n);
+        playlist->on_panel = -1; /* anything may have been shown meanwhile */
+    }
     playlist->playing = true;
     show(playlist, index, 1);
 }
@@ -262,10 +292,10 @@ void lf_playlist_stop(lf_playlist *playlist)
     const bool playing = playlist->playing;
     halt(playlist);
     drop_load(playlist);
-    if (!playing)
-        return;
-    lf_log(LF_LOG_INFO, "playlist: stopped at entry %d", playlist->index);
-    playlist->events.changed(playlist->context);
+    if (playing)
+        lf_log(LF_LOG_INFO, "playlist: stopped at entry %d", playlist->index);
+    if (playing || playlist->untold)
+        tell(playlist);
 }
 
 void lf_playlist_step(lf_playlist *playlist, int step)
@@ -283,7 +313,8 @@ lf_status lf_playlist_create(sd_event *event, const lf_playlist_events *events, 
     lf_playlist *playlist = lf_calloc(1, sizeof *playlist);
     if (!playlist)
         return LF_E_NOMEM;
-    *playlist = (lf_playlist){.events = *events, .context = context, .loop = true, .step = 1};
+    *playlist = (lf_playlist){
+        .events = *events, .context = context, .loop = true, .on_panel = -1, .step = 1};
     if (lf_pace_init(&playlist->pace, event, on_time, playlist) != LF_OK) {
         lf_free(playlist);
         return LF_E_NOMEM;

@@ -21,7 +21,8 @@ typedef struct lf_playlist_events {
     bool (*due)(void *context, const char *file);
     /* The load in progress is of no use any more. lf_playlist_loaded is still called. */
     void (*vain)(void *context);
-    /* The entries, the current one, or whether they are played has changed. */
+    /* The entries, the current one, or whether they are played has changed. Of entries that fail
+     * one after another it is called once, when one is loaded or the list stops. */
     void (*changed)(void *context);
 } lf_playlist_events;
 
@@ -55,7 +56,8 @@ void lf_playlist_stop(lf_playlist *playlist);
 void lf_playlist_step(lf_playlist *playlist, int step);
 /* Outcome of the requested load: its generation. err not NULL: it failed. The entry is then
  * skipped, in the direction of the last step, with one line in the log until the entry has been
- * shown or replaced. If all entries fail one after another, the list stops with a line. */
+ * shown or replaced. If that leads back to the entry on the panel, its time starts again. If all
+ * entries fail one after another, the list stops with a line. */
 void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_error *err);
 /* The panel shows this generation at this level. */
 void lf_playlist_shown(lf_playlist *playlist, int64_t generation, lf_level level);

@@ -114,6 +114,12 @@ const json_t *lf_param_or_former(const json_t *params, const char *name, const c
     return value ? value : json_object_get(params, former);
 }
 
+int lf_param_integer(const json_t *params, const char *key, int absent)
+{
+    const json_t *value = json_object_get(params, key);
+    return value ? (int)json_number_value(value) : absent;
+}
+
 /* ------------------------------------------------------------------------------------- paths -- */
 
 char *lf_server_absolute(const lf_server *server, const char *path)

@@ -4,11 +4,6 @@
 #include "base/alloc.h"
 #include "daemon/server/methods_internal.h"
 
-static int integer_of(const json_t *params, const char *key)
-{
-    return (int)json_integer_value(json_object_get(params, key));
-}
-
 static lf_status refuse(const lf_call *call, const char *pointer, const char *what, lf_error *err)
 {
     return lf_error_set_at(err, LF_E_ARG, call->method, 0, pointer, "%s", what);
@@ -18,9 +13,11 @@ static lf_status refuse(const lf_call *call, const char *pointer, const char *wh
 static lf_status take_shape(const lf_call *call, lf_sent_quilt *out, lf_error *err)
 {
     const json_t *params = call->params;
-    const int columns = integer_of(params, "columns"), rows = integer_of(params, "rows"),
-              views = integer_of(params, "views"), width = integer_of(params, "width"),
-              height = integer_of(params, "height");
+    const int columns = lf_param_integer(params, "columns", 0),
+              rows = lf_param_integer(params, "rows", 0),
+              views = lf_param_integer(params, "views", 0),
+              width = lf_param_integer(params, "width", 0),
+              height = lf_param_integer(params, "height", 0);
     *out = (lf_sent_quilt){true, {columns, rows, views ? views : columns * rows}, width, height};
     if (views > columns * rows)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/views",

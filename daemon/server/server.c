@@ -202,6 +202,7 @@ static void on_client_gone(void *context, uint64_t client)
     lf_previews_end_of(server->gallery.previews, client);
     lf_library_end_of(server->gallery.library, client);
     lf_errands_end_of(server->gallery.checks, client);
+    lf_server_doctor_end_of(server, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))

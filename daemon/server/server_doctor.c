@@ -76,9 +76,39 @@ static lf_status begin(lf_server *server)
     return LF_OK;
 }
 
+static bool asks(const lf_server *server, uint64_t client)
+{
+    const asker *a = server->life.examination ? server->life.examination->askers : NULL;
+    while (a && lf_deferred_client(a->call) != client)
+        a = a->next;
+    return a;
+}
+
+void lf_server_doctor_end_of(lf_server *server, uint64_t client)
+{
+    lf_examination *examination = server->life.examination;
+    for (asker **at = examination ? &examination->askers : NULL; at && *at;) {
+        asker *a = *at;
+        if (lf_deferred_client(a->call) != client) {
+            at = &a->next;
+            continue;
+        }
+        *at = a->next;
+        lf_deferred_reply(a->call, json_object()); /* to nobody */
+        lf_free(a);
+    }
+}
+
 void lf_server_doctor(lf_call *call)
 {
     lf_server *server = call->server;
+    if (asks(server, lf_client_serial(call->client))) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_BUSY, call->method,
+                           "another doctor of this client is open; wait for its answer");
+        lf_fail(call, &err, false);
+        return;
+    }
     lf_deferred *deferred = lf_defer(call);
     asker *a = deferred ? lf_calloc(1, sizeof *a) : NULL;
     if (!a || (!server->life.examination && begin(server) != LF_OK)) {

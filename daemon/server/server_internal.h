@@ -99,10 +99,10 @@ typedef struct lf_life {
     int reloads;     /* reloads by systemd that have not ended */
     lf_card card;
     lf_log_watch log;
-    lf_web_child *web;   /* NULL without --web */
+    lf_web_child *web;           /* NULL without --web */
     lf_examination *examination; /* for doctor, in progress; NULL: none */
-    lf_load_words words; /* parameters of the shown file, for reading it again */
-    lf_task *held;       /* loads that arrived before the scene of the command line */
+    lf_load_words words;         /* parameters of the shown file, for reading it again */
+    lf_task *held;               /* loads that arrived before the scene of the command line */
     /* CPU seconds of the longest turn of the event loop (turns.h) */
     double longest_turn;
 } lf_life;
@@ -169,6 +169,8 @@ void lf_server_tell_card(lf_server *server);
 
 /* Examines panels and system; the call is answered when all is known. */
 void lf_server_doctor(lf_call *call);
+/* Drops the call of a client that has left. */
+void lf_server_doctor_end_of(lf_server *server, uint64_t client);
 /* An event of the show: the examination has ended. */
 void lf_server_examined(void *context, void *examination, const lf_error *err);
 
@@ -312,6 +314,8 @@ LF_NODISCARD lf_status lf_check_former(const json_t *schema, json_t *params, con
                                        lf_error *err);
 /* The value of a parameter under its current or its former name, borrowed; NULL: under neither. */
 const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former);
+/* An integer that the schema has checked, which may be written as 8.0; `absent` without the key. */
+int lf_param_integer(const json_t *params, const char *key, int absent);
 /* The absolute path (lf_free) of a client's path parameter. Relative ones start at the folder of
  * the scene the daemon was started with; quiltctl makes them absolute. NULL: out of memory. */
 char *lf_server_absolute(const lf_server *server, const char *path);

@@ -58,7 +58,7 @@ void lf_server_library_list(lf_call *call)
 static void make_thumbnail(lf_call *call, int fd)
 {
     const uint64_t client = lf_client_serial(call->client);
-    const json_t *width = json_object_get(call->params, "width");
+    const int width = lf_param_integer(call->params, "width", WIDTH);
     lf_library *library = call->server->gallery.library;
     char *file = NULL;
     lf_error err;
@@ -72,9 +72,7 @@ static void make_thumbnail(lf_call *call, int fd)
     if (!deferred) {
         lf_free(file);
         close(fd);
-    } else if (lf_library_thumbnail(library, client, file,
-                                    width ? (int)json_number_value(width) : WIDTH, fd, deferred,
-                                    &err) != LF_OK) {
+    } else if (lf_library_thumbnail(library, client, file, width, fd, deferred, &err) != LF_OK) {
         lf_deferred_fail(deferred, &err, false);
     }
 }

@@ -262,9 +262,8 @@ static bool check_index(lf_call *call, int index)
 
 void lf_server_playlist_play(lf_call *call)
 {
-    const json_t *value = json_object_get(call->params, "index");
-    const int index = value ? (int)json_number_value(value) : -1;
-    if (!check_index(call, value ? index : 0))
+    const int index = lf_param_integer(call->params, "index", -1);
+    if (!check_index(call, index < 0 ? 0 : index))
         return;
     lf_playlist_play(call->server->gallery.playlist, index);
     lf_reply(call, whole_json(call->server));

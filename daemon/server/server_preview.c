@@ -5,12 +5,6 @@
 
 #include "daemon/server/server_internal.h"
 
-static int integer_of(const json_t *params, const char *key, int absent)
-{
-    const json_t *value = json_object_get(params, key);
-    return value ? (int)json_number_value(value) : absent;
-}
-
 static lf_preview_format format_of(const json_t *params)
 {
     const char *word = json_string_value(json_object_get(params, "format"));
@@ -38,10 +32,10 @@ void lf_server_preview(lf_call *call)
     const json_t *params = call->params;
     lf_error err;
     lf_preview what = {.client = lf_client_serial(call->client),
-                       .n_views = integer_of(params, "views", 0),
-                       .options = {.width = integer_of(params, "width", 0),
+                       .n_views = lf_param_integer(params, "views", 0),
+                       .options = {.width = lf_param_integer(params, "width", 0),
                                    .format = format_of(params),
-                                   .quality = integer_of(params, "quality", 75)}};
+                                   .quality = lf_param_integer(params, "quality", 75)}};
     lf_deferred *deferred = NULL;
     if (!lf_client_take_fds(call->client, &what.fd, 1)) {
         (void)lf_error_set(&err, LF_E_ARG, call->method,

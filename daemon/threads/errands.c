@@ -4,6 +4,9 @@
 
 #include "base/alloc.h"
 
+/* Threads, in times of at_once: those above it belong to cancelled errands that do not end. */
+#define MOST_TIMES 4
+
 struct lf_errands {
     const char *name;
     int at_once;
@@ -76,18 +79,41 @@ static void post(lf_errand *errand, lf_status status)
     lf_inbox_post(errand->errands->inbox, &errand->task);
 }
 
+/* Its threads, and those of errands that are not cancelled. */
+typedef struct crew {
+    int all, wanted;
+} crew;
+
+static crew count_threads(const lf_errands *errands)
+{
+    crew n = {0, 0};
+    for (const lf_errand *e = errands->first; e; e = e->next) {
+        n.all += e->started;
+        n.wanted += e->started && !atomic_load(&e->cancel);
+    }
+    return n;
+}
+
+static lf_status refuse(const lf_errands *errands, lf_error *err)
+{
+    return lf_error_set(err, LF_E_BUSY, "",
+                        "%d cancelled calls still wait for a file system; mend or unmount it, or "
+                        "try again later",
+                        (MOST_TIMES - 1) * errands->at_once);
+}
+
 static void start_waiting(lf_errands *errands)
 {
-    int n = 0;
-    for (const lf_errand *e = errands->first; e; e = e->next)
-        n += e->started;
-    for (lf_errand *e = errands->first; e && n < errands->at_once; e = e->next) {
+    crew n = count_threads(errands);
+    for (lf_errand *e = errands->first; e && n.wanted < errands->at_once; e = e->next) {
         if (e->started || e->posted)
             continue;
-        lf_status status = start(e);
+        lf_status status =
+            n.all < MOST_TIMES * errands->at_once ? start(e) : refuse(errands, &e->err);
         if (status != LF_OK)
             post(e, status);
-        n += e->started;
+        n.all += e->started;
+        n.wanted += e->started;
     }
 }
 
@@ -106,15 +132,17 @@ static void on_done(void *reader, lf_task *task)
 lf_status lf_errands_add(lf_errands *errands, lf_errand *errand, lf_error *err)
 {
     lf_errand **at = &errands->first;
-    int n = 0;
-    for (; *at; at = &(*at)->next)
-        n += (*at)->started;
+    const crew n = count_threads(errands);
+    if (n.all >= MOST_TIMES * errands->at_once)
+        return refuse(errands, err);
+    while (*at)
+        at = &(*at)->next;
     errand->task = (lf_task){.done = on_done};
     errand->errands = errands;
     errand->next = NULL;
     errand->started = errand->posted = false;
     *at = errand;
-    if (n >= errands->at_once || start(errand) == LF_OK)
+    if (n.wanted >= errands->at_once || start(errand) == LF_OK)
         return LF_OK;
     *at = NULL;
     return lf_error_set(err, LF_E_NOMEM, "", "cannot start a thread");
@@ -134,6 +162,7 @@ void lf_errands_end_of(lf_errands *errands, uint64_t client)
     for (lf_errand *e = errands->first; e; e = e->next)
         if (e->client == client)
             cancel(e);
+    start_waiting(errands);
 }
 
 void lf_errands_end(lf_errands *errands)

@@ -1,7 +1,11 @@
 /* errands: work for clients on threads of its own, for example reading a folder that may hang. Each
  * errand has its own thread, and only a few run at once; the others wait for their turn. An errand
  * is the first member of its owner's struct. It knows its client only as a number. Thread: event,
- * except `run`. */
+ * except `run`.
+ *
+ * Work that hangs in a file system does not see `cancel`. Until it ends, it keeps its thread and
+ * the errand with all that the owner put there, for example a deferred call. Once it is cancelled,
+ * it takes no turn from the others. Of at most 4 * at_once threads, these are the rest. */
 #ifndef LF_DAEMON_ERRANDS_H
 #define LF_DAEMON_ERRANDS_H
 
@@ -38,8 +42,10 @@ LF_NODISCARD lf_status lf_errands_create(const char *name, int at_once, void *co
                                          lf_inbox *inbox, lf_errands **out_errands);
 /* To be called when no errand is left. Accepts NULL. */
 void lf_errands_destroy(lf_errands *errands);
-/* Starts an errand, or lets it wait. LF_E_NOMEM: `done` is not called, the errand stays the
- * caller's. */
+/* Starts an errand, or lets it wait. On LF_OK it belongs to errands until `done`, which may get
+ * LF_E_BUSY or LF_E_NOMEM if its turn comes too late for a thread. On failure `done` is not called,
+ * and the errand stays the caller's. LF_E_BUSY: cancelled errands that do not end have all threads;
+ * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_errands_add(lf_errands *errands, lf_errand *errand, lf_error *err);
 /* Errands that wait or run; those of one client. */
 int lf_errands_count(const lf_errands *errands);

@@ -10,6 +10,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/paths.h"
 #include "daemon/output/output.h"
 #include "daemon/tools/ctl.h"
 
@@ -210,6 +211,12 @@ lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file, json_t
     return status;
 }
 
+/* False: quilt.show would refuse it. */
+static bool is_quilt_name(const char *name)
+{
+    return strlen(name) <= LF_MAX_ARRAY_NAME && lf_check_name(name, NULL) == LF_OK;
+}
+
 lf_status lf_ctl_show_quilt(lf_ctl *ctl, const char *file, json_t *params, json_t **out_result,
                             lf_error *err)
 {
@@ -219,8 +226,9 @@ lf_status lf_ctl_show_quilt(lf_ctl *ctl, const char *file, json_t *params, json_
         json_decref(params);
         return lf_error_set(err, LF_E_IO, file, "cannot open: %s", lf_errno_text(errno));
     }
-    if (!json_object_get(params, "name"))
-        json_object_set_new(params, "name", json_string(slash ? slash + 1 : file));
+    const char *name = slash ? slash + 1 : file;
+    if (!json_object_get(params, "name") && is_quilt_name(name))
+        json_object_set_new(params, "name", json_string(name));
     lf_status status = lf_ctl_call(ctl, "quilt.show", params, &fd, 1, out_result, NULL, err);
     close(fd);
     return status;

@@ -185,6 +185,22 @@ static bool is_detached(const json_t *params)
     return json_is_true(json_object_get(params, "detach"));
 }
 
+/* Also those of the entries of playlist.set. */
+static void make_all_absolute(json_t *params)
+{
+    size_t i;
+    json_t *entry;
+    if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
+        make_absolute(params, "file");
+    make_absolute(params, "icc");
+    make_absolute(params, "folder");
+    make_spec_absolute(params);
+    json_array_foreach(json_object_get(params, "entries"), i, entry)
+    {
+        make_absolute(entry, "file");
+    }
+}
+
 /* Parses the words with the method's schema. first: number of positional words (export's kind and
  * file). */
 static lf_status read_words(const arguments *a, const json_t *schema, json_t *params, lf_error *err)
@@ -201,11 +217,7 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
         if (status != LF_OK)
             return status;
     }
-    if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
-        make_absolute(params, "file");
-    make_absolute(params, "icc");
-    make_absolute(params, "folder");
-    make_spec_absolute(params);
+    make_all_absolute(params);
     return lf_schema_check(schema, params, a->method, err);
 }
 

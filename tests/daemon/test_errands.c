@@ -24,7 +24,8 @@ struct office {
     atomic_int begun, most, now;
     atomic_bool open;  /* the work goes on */
     atomic_bool first; /* the work of the first errand goes on */
-    int n_done, n_cancelled, n_stopped;
+    bool hangs;        /* the work does not see that it is cancelled */
+    int n_done, n_cancelled, n_stopped, n_refused;
 };
 
 static lf_status run(lf_errand *errand, lf_error *err)
@@ -36,7 +37,7 @@ static lf_status run(lf_errand *errand, lf_error *err)
     while (now > most && !atomic_compare_exchange_weak(&o->most, &most, now)) {
     }
     atomic_fetch_add(&o->begun, 1);
-    while (!atomic_load(&o->open) && !atomic_load(&errand->cancel) &&
+    while (!atomic_load(&o->open) && (o->hangs || !atomic_load(&errand->cancel)) &&
            !(w->number == 0 && atomic_load(&o->first)))
         sched_yield();
     atomic_fetch_sub(&o->now, 1);
@@ -54,7 +55,9 @@ static void stop(lf_errand *errand)
 static void on_done(void *context, lf_errand *errand)
 {
     office *o = context;
-    assert_true(errand->status == LF_OK || errand->status == LF_E_CANCELLED);
+    assert_true(errand->status == LF_OK || errand->status == LF_E_CANCELLED ||
+                errand->status == LF_E_BUSY);
+    o->n_refused += errand->status == LF_E_BUSY;
     o->n_cancelled += errand->status == LF_E_CANCELLED;
     o->n_done++;
     lf_free(errand);
@@ -80,18 +83,29 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Two clients in turn: 0 and 1. */
+static work *make(office *o, int number, uint64_t client)
+{
+    work *w = lf_calloc(1, sizeof *w);
+    assert_non_null(w);
+    *w = (work){.errand = {.client = client, .run = run, .stop = stop, .done = on_done},
+                .office = o,
+                .number = number};
+    return w;
+}
+
+/* Of client 0 or 1. */
+static work *add_one(office *o, int number)
+{
+    work *w = make(o, number, (uint64_t)number % 2);
+    lf_assert_ok(lf_errands_add(o->errands, &w->errand, NULL), NULL);
+    return w;
+}
+
+/* Two clients in turn. */
 static void add(office *o, int n)
 {
-    for (int i = 0; i < n; i++) {
-        work *w = lf_calloc(1, sizeof *w);
-        assert_non_null(w);
-        *w =
-            (work){.errand = {.client = (uint64_t)i % 2, .run = run, .stop = stop, .done = on_done},
-                   .office = o,
-                   .number = i};
-        lf_assert_ok(lf_errands_add(o->errands, &w->errand, NULL), NULL);
-    }
+    for (int i = 0; i < n; i++)
+        (void)add_one(o, i);
 }
 
 static void read_until(office *o, int n_done)
@@ -169,6 +183,72 @@ static void what_is_cancelled_while_it_waits_never_begins(void **state)
     assert_int_equal(atomic_load(&o->begun), AT_ONCE);
 }
 
+static void what_hangs_after_its_cancellation_keeps_no_turn(void **state)
+{
+    office *o = *state;
+    o->hangs = true;
+    add(o, AT_ONCE);
+    const work *first = add_one(o, 2), *second = add_one(o, 4);
+    assert_false(first->errand.started);
+    lf_errands_end_of(o->errands, 1);
+    assert_true(first->errand.started);
+    assert_false(second->errand.started);
+    lf_errands_end_of(o->errands, 0); /* all */
+    assert_true(add_one(o, 1)->errand.started);
+    atomic_store(&o->open, true);
+    read_until(o, 5);
+    assert_int_equal(o->n_cancelled, 4);
+    assert_int_equal(o->n_refused, 0);
+}
+
+/* Adds errands that are cancelled and hang. */
+static void hang(office *o, int n)
+{
+    for (int i = 0; i < n; i++) {
+        work *w = make(o, i, 7);
+        lf_assert_ok(lf_errands_add(o->errands, &w->errand, NULL), NULL);
+        assert_true(w->errand.started);
+        lf_errands_end_of(o->errands, 7);
+    }
+}
+
+static void more_than_some_that_hang_are_refused(void **state)
+{
+    office *o = *state;
+    lf_error err;
+    o->hangs = true;
+    hang(o, 4 * AT_ONCE);
+    work *w = make(o, 0, 0);
+    lf_assert_status(lf_errands_add(o->errands, &w->errand, &err), LF_E_BUSY, &err);
+    lf_free(w);
+    assert_int_equal(lf_errands_count(o->errands), 4 * AT_ONCE);
+    atomic_store(&o->open, true);
+    read_until(o, 4 * AT_ONCE);
+    assert_true(add_one(o, 0)->errand.started); /* they have ended */
+    read_until(o, 4 * AT_ONCE + 1);
+}
+
+/* One waits for the last thread, and gets it; the next one would wait for ever. */
+static void what_waits_for_what_hangs_is_refused(void **state)
+{
+    office *o = *state;
+    o->hangs = true;
+    hang(o, 3 * AT_ONCE - 1);
+    for (int i = 0; i < AT_ONCE; i++)
+        assert_true(add_one(o, 1)->errand.started);
+    const work *first = add_one(o, 0), *second = add_one(o, 0);
+    assert_false(first->errand.started);
+    lf_errands_end_of(o->errands, 1);
+    assert_true(first->errand.started);
+    assert_false(second->errand.started);
+    read_until(o, 1);
+    assert_int_equal(o->n_refused, 1);
+    assert_int_equal(lf_errands_count_of(o->errands, 0), 1);
+    atomic_store(&o->open, true);
+    read_until(o, 4 * AT_ONCE + 1);
+    assert_int_equal(o->n_refused, 1);
+}
+
 #define errand_test(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
 
 int main(void)
@@ -178,6 +258,9 @@ int main(void)
         errand_test(those_of_a_client_end_without_the_others),
         errand_test(all_end),
         errand_test(what_is_cancelled_while_it_waits_never_begins),
+        errand_test(what_hangs_after_its_cancellation_keeps_no_turn),
+        errand_test(more_than_some_that_hang_are_refused),
+        errand_test(what_waits_for_what_hangs_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

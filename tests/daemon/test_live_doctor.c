@@ -81,34 +81,63 @@ static void the_findings_are_those_of_quiltctl(void **state)
     live_finish(&l);
 }
 
-/* Calls that arrive while one is answered, some of a client that does not wait. */
-static void every_call_is_answered(void **state)
+/* Calls that arrive while one is answered, some of clients that do not wait. */
+static void every_client_is_answered(void **state)
 {
     (void)state;
-    enum { CALLS = 20 };
+    enum { CLIENTS = 20 };
     live l;
-    live_client c, gone;
+    live_client c[CLIENTS], gone;
     live_prepare(&l);
     live_start(&l, NULL, "--device", "none", NULL);
-    live_connect(&l, &c);
-    live_connect(&l, &gone);
-    live_ask(&gone, "doctor", NULL);
-    for (int i = 0; i < CALLS; i++) {
-        live_ask(&c, "doctor", NULL);
+    for (int i = 0; i < CLIENTS; i++) {
+        live_connect(&l, &c[i]);
+        live_connect(&l, &gone);
         live_ask(&gone, "doctor", NULL);
+        live_ask(&c[i], "doctor", NULL);
+        live_close(&gone);
     }
-    live_close(&gone);
     json_t *first = NULL;
-    for (int i = 0; i < CALLS; i++) {
-        json_t *findings = findings_of(live_receive(&c));
+    for (int i = 0; i < CLIENTS; i++) {
+        json_t *findings = findings_of(live_receive(&c[i]));
         if (!first)
             first = json_incref(findings);
         assert_true(json_equal(findings, first));
         json_decref(findings);
+        if (i > 0)
+            live_close(&c[i]);
     }
     json_decref(first);
     /* the end does not wait for the next */
-    live_ask(&c, "doctor", NULL);
+    live_ask(&c[0], "doctor", NULL);
+    live_close(&c[0]);
+    live_finish(&l);
+}
+
+/* Three calls in one piece, which are handled in one turn. */
+static void one_call_per_client_is_open(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    char text[1024];
+    int n = 0, busy = 0;
+    live_prepare(&l);
+    live_start(&l, NULL, "--device", "none", NULL);
+    live_connect(&l, &c);
+    for (int i = 1; i <= 3; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n,
+                      "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"doctor\"}\n", i);
+    live_send(&c, text, (size_t)n);
+    for (int i = 1; i <= 3; i++) {
+        json_t *answer = live_receive(&c);
+        const json_t *error = json_object_get(answer, "error");
+        assert_int_equal(json_integer_value(json_object_get(error, "code")), error ? -32000 : 0);
+        busy += error ? 1 : 0;
+        json_decref(answer);
+    }
+    assert_int_equal(busy, 2);
+    json_decref(findings_of(live_call(&c, "doctor", NULL))); /* the next one is taken */
     live_close(&c);
     live_finish(&l);
 }
@@ -117,7 +146,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_findings_are_those_of_quiltctl),
-        cmocka_unit_test(every_call_is_answered),
+        cmocka_unit_test(every_client_is_answered),
+        cmocka_unit_test(one_call_per_client_is_open),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -326,6 +326,30 @@ static void a_long_list_of_long_names_is_refused(void **state)
     end(&h);
 }
 
+static void quiltctl_sends_absolute_names(void **state)
+{
+    (void)state;
+    hall h;
+    char before[PATH_MAX];
+    begin(&h);
+    assert_non_null(getcwd(before, sizeof before));
+    assert_int_equal(chdir(h.l.folder), 0);
+    const int code =
+        live_run(&h.l, "quiltctl", "--socket", h.l.socket, "playlist.set",
+                 "entries:=[{\"file\": \"scene/a.png\", \"seconds\": 9}, {\"seconds\": 9, "
+                 "\"file\": \"scene/fog.json\"}]",
+                 NULL);
+    assert_int_equal(chdir(before), 0);
+    assert_int_equal(code, 0);
+    json_t *answer = live_call(&h.c, "playlist.get", NULL);
+    json_t *entries = json_object_get(json_object_get(answer, "result"), "entries");
+    assert_int_equal(json_array_size(entries), 2);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(entries, 0), "file")),
+                        within(&h, "a.png"));
+    json_decref(answer);
+    end(&h);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -337,6 +361,7 @@ int main(void)
         cmocka_unit_test(next_and_previous_step_while_it_is_stopped),
         cmocka_unit_test(entries_are_checked_and_a_wrong_one_changes_nothing),
         cmocka_unit_test(a_long_list_of_long_names_is_refused),
+        cmocka_unit_test(quiltctl_sends_absolute_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -226,6 +226,28 @@ static json_t *with(json_t *params, const char *key, int value)
     return params;
 }
 
+/* The schema takes 72.0 as an integer. */
+static void whole_numbers_may_be_written_as_reals(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"columns", "rows", "views", "width", "height"};
+    sender s;
+    static uint8_t pixels[BYTES], shown[BYTES];
+    begin(&s);
+    paint(pixels, 5);
+    json_t *all = with(raw(), "views", COLUMNS * ROWS);
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const double value = json_number_value(json_object_get(all, keys[i]));
+        json_object_set_new(all, keys[i], json_real(value));
+        int fd = memory_file(pixels, BYTES, ALL_SEALS);
+        assert_code(&s, "quilt.show", json_copy(all), &fd, 1, 0, "");
+    }
+    json_decref(all);
+    get_frame(&s, shown);
+    assert_memory_equal(shown, pixels, BYTES);
+    end(&s);
+}
+
 static void a_wrong_quilt_leaves_the_image(void **state)
 {
     (void)state;
@@ -335,6 +357,17 @@ static void quiltctl_shows_a_file(void **state)
     assert_string_equal(live_status_text(&s.c, "scene"), "holiday");
     get_frame(&s, shown);
     assert_memory_equal(shown, pixels, BYTES);
+    /* names that quiltd would refuse */
+    char name[161] = "";
+    memset(name, 'n', sizeof name - 1);
+    const char *const odd[] = {name, "two\nlines"};
+    for (size_t i = 0; i < 2; i++) {
+        path = write_png(&s, odd[i], pixels);
+        assert_int_equal(live_run(&s.l, "quiltctl", "--socket", s.l.socket, "quilt.show", path,
+                                  "columns=3", "rows=2", NULL),
+                         0);
+        assert_string_equal(live_status_text(&s.c, "scene"), "quilt");
+    }
     assert_int_equal(live_run(&s.l, "quiltctl", "--socket", s.l.socket, "quilt.show", "columns=3",
                               "rows=2", NULL),
                      2);
@@ -350,6 +383,7 @@ int main(void)
         cmocka_unit_test(a_quilt_of_memory_is_shown_as_that_of_a_file),
         cmocka_unit_test(a_quilt_that_was_sent_has_a_state),
         cmocka_unit_test(a_picture_file_is_read_by_its_content),
+        cmocka_unit_test(whole_numbers_may_be_written_as_reals),
         cmocka_unit_test(a_wrong_quilt_leaves_the_image),
         cmocka_unit_test(a_file_that_is_too_large_is_refused),
         cmocka_unit_test(a_picture_that_is_too_wide_is_refused),

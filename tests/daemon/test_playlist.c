@@ -319,7 +319,8 @@ static void failures_count_only_one_after_another(void **state)
     for (int i = 0; i < 4; i++) {
         fails(o, "a");
         fails(o, "b");
-        shows(o, "c");
+        if (i == 0) /* afterwards it is on the panel */
+            shows(o, "c");
         wait_for(o, 3);
     }
     assert_true(is_playing(o));
@@ -371,8 +372,89 @@ static void a_step_back_skips_backwards(void **state)
     assert_string_equal(asked(o), "b");
     load(o);
     lf_playlist_step(o->list, -1);
-    fails(o, "a"); /* nothing is before it */
-    assert_string_equal(asked(o), "b");
+    show(o, LF_LEVEL_COARSE);
+    timer();
+    fails(o, "a"); /* nothing is before it, and "b" is on the panel */
+    assert_string_equal(asked(o), "");
+    assert_int_equal(index_of(o), 1);
+    wait_for(o, 2);
+    fails(o, "c");
+    assert_false(is_playing(o));
+}
+
+static void what_is_on_the_panel_is_not_loaded_again(void **state)
+{
+    owner *o = *state;
+    set(o, "abc", true);
+    lf_playlist_play(o->list, -1);
+    shows(o, "a");
+    for (int i = 0; i < 3; i++) {
+        wait_for(o, 1);
+        fails(o, "b");
+        fails(o, "c");
+        assert_string_equal(asked(o), "");
+        assert_int_equal(index_of(o), 0);
+        assert_true(is_playing(o));
+    }
+    set(o, "xa", true); /* the same file */
+    wait_for(o, 2);
+    fails(o, "x");
+    assert_string_equal(asked(o), "");
+    wait_for(o, 2);
+    /* something else may be shown after a stop, and after a load that was not cancelled in time */
+    lf_playlist_stop(o->list);
+    fail_load(o);
+    assert_string_equal(asked(o), "x");
+    set(o, "xay", true);
+    lf_playlist_play(o->list, 0);
+    fails(o, "x");
+    shows(o, "a");
+    lf_playlist_step(o->list, 1);
+    assert_string_equal(asked(o), "y");
+    lf_playlist_step(o->list, 1);
+    load(o); /* "y" */
+    fails(o, "x");
+    assert_string_equal(asked(o), "a");
+}
+
+/* The entries are long, and each event goes to all who listen. */
+static void entries_that_fail_are_told_together(void **state)
+{
+    owner *o = *state;
+    set(o, "abcde", true);
+    lf_playlist_play(o->list, -1);
+    int n = o->n_changed;
+    fails(o, "a");
+    fails(o, "b");
+    assert_int_equal(o->n_changed, n);
+    shows(o, "c");
+    assert_int_equal(o->n_changed, n + 1);
+    wait_for(o, 3);
+    assert_int_equal(o->n_changed, n + 2);
+    fails(o, "d");
+    fails(o, "e");
+    fails(o, "a");
+    fails(o, "b"); /* back to "c" */
+    assert_int_equal(o->n_changed, n + 3);
+    lf_playlist_stop(o->list);
+    n = o->n_changed;
+    lf_playlist_step(o->list, 1);
+    fails(o, "d");
+    assert_int_equal(o->n_changed, n + 1); /* of the step */
+    lf_playlist_stop(o->list);
+    assert_int_equal(o->n_changed, n + 2); /* "e" is the current one */
+    lf_playlist_stop(o->list);
+    assert_int_equal(o->n_changed, n + 2);
+    assert_string_equal(asked(o), "e");
+    fail_load(o);
+    assert_int_equal(o->n_changed, n + 2);
+    set(o, "ab", true);
+    lf_playlist_play(o->list, -1);
+    n = o->n_changed;
+    fails(o, "a");
+    fails(o, "b");
+    assert_false(is_playing(o));
+    assert_int_equal(o->n_changed, n + 1);
 }
 
 static void steps_work_while_it_is_stopped(void **state)
@@ -517,6 +599,8 @@ int main(void)
         list_test(failures_count_only_one_after_another),
         list_test(next_and_previous_step_and_wrap_only_in_a_loop),
         list_test(a_step_back_skips_backwards),
+        list_test(what_is_on_the_panel_is_not_loaded_again),
+        list_test(entries_that_fail_are_told_together),
         list_test(steps_work_while_it_is_stopped),
         list_test(what_is_stopped_stays),
         list_test(a_load_that_is_no_longer_wanted_makes_room),

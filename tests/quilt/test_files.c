@@ -349,6 +349,21 @@ static void real_quilts_are_read_as_four_by_eight(void **state)
     }
 }
 
+/* Also by the error itself. */
+static void tiles_that_do_not_divide_a_picture_are_an_error_of_its_format(void **state)
+{
+    static const uint8_t pixels[3 * 4 * 3] = {0};
+    const lf_raster picture = {.width = 4, .height = 3, .data8 = pixels};
+    const lf_photo photo = {0};
+    lf_quilt_file q;
+    lf_error err = {0};
+    (void)state;
+    lf_assert_status(lf_quilt_cut(&picture, "p", &(lf_quilt_tiles){3, 1, 3}, &photo, &q, &err),
+                     LF_E_FORMAT, &err);
+    assert_int_equal(err.status, LF_E_FORMAT);
+    assert_non_null(strstr(err.what, "3x1 tiles do not divide 4x3 pixels"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -362,6 +377,7 @@ int main(void)
         cmocka_unit_test(views_that_do_not_fit_the_layout_are_not_written),
         cmocka_unit_test(what_pictures_say_in_vain_is_noted),
         cmocka_unit_test(real_quilts_are_read_as_four_by_eight),
+        cmocka_unit_test(tiles_that_do_not_divide_a_picture_are_an_error_of_its_format),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }

@@ -10,6 +10,7 @@
 #include <sys/file.h>
 #include <sys/wait.h>
 
+#include "base/sandbox/import_group.h"
 #include "render/import/scene/mesh_import.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -179,6 +180,34 @@ static void a_file_has_its_part_first_and_then_the_whole_alone(void **state)
     assert_int_equal(ends, 6); /* of each file one, however often it was read */
 }
 
+static void quiet_files_have_memory_that_others_never_use(void **state)
+{
+    const char *folder = *state;
+    lf_import_group group = {0};
+    lf_import_limit((uint64_t)4096 * MIB, 120);
+    assert_string_equal(said_by(folder, "4000"), "enough"); /* no thumbnails are made */
+    lf_import_expect_quiet(2);
+    assert_string_equal(said_by(folder, "200"), "enough");
+    lf_import_expect(1);
+    assert_string_equal(said_by(folder, "3000"), "enough");
+    assert_string_equal(told(folder), "4096 3072 1536 3072 ");
+    (void)lf_import_group_begin(&group);
+    group.is_quiet = true;
+    assert_string_equal(said_by(folder, "500"), "enough");
+    assert_string_equal(said_by(folder, "600"), "too little");
+    lf_import_limit((uint64_t)16384 * MIB, 120);
+    assert_string_equal(said_by(folder, "600"), "enough");
+    assert_string_equal(told(folder), "512 512 1024 ");
+    lf_import_limit((uint64_t)1024 * MIB, 120); /* too little for parts: alone */
+    assert_string_equal(said_by(folder, "600"), "enough");
+    (void)lf_import_group_enter(NULL);
+    lf_import_expect(-1);
+    assert_string_equal(said_by(folder, "600"), "enough");
+    assert_string_equal(told(folder), "1024 1024 ");
+    lf_import_expect_quiet(-2);
+    lf_import_limit(0, 120);
+}
+
 static void what_has_the_whole_is_alone(void **state)
 {
     enum { N = 4 };
@@ -344,6 +373,7 @@ int main(int argc, char **argv)
         return read_as_told();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_has_its_part_first_and_then_the_whole_alone),
+        cmocka_unit_test(quiet_files_have_memory_that_others_never_use),
         cmocka_unit_test(what_has_the_whole_is_alone),
         cmocka_unit_test(a_reader_has_no_capabilities),
         cmocka_unit_test(memory_and_the_memory_file_are_not_twice_the_limit),

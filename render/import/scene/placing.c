@@ -44,6 +44,14 @@ static bool is_flat(const lf_mesh_data *data, int triangle, double y, const doub
     return flat;
 }
 
+static bool touches(const double *const corner[3], const double *at)
+{
+    bool found = false;
+    for (int k = 0; k < 3; k++)
+        found = found || (corner[k][0] == at[0] && corner[k][1] == at[1] && corner[k][2] == at[2]);
+    return found;
+}
+
 /* Whether faces below y can be seen from above: they look up, or they are an open sheet. The side
  * faces of a body touch the outermost corner of its bottom. */
 static bool has_floor(const lf_mesh_data *data, double y)
@@ -60,9 +68,7 @@ static bool has_floor(const lf_mesh_data *data, double y)
                 outer = p[k];
     }
     for (int i = 0; i < data->n_triangles && outer && is_open; i++)
-        for (int k = 0; k < 3 && !is_flat(data, i, y, p); k++)
-            is_open =
-                is_open && (p[k][0] != outer[0] || p[k][1] != outer[1] || p[k][2] != outer[2]);
+        is_open = is_flat(data, i, y, p) || !touches(p, outer);
     return outer && is_open;
 }
 
@@ -82,6 +88,14 @@ static bool put_key(json_t *key, int mesh, json_t *transform)
     return json_object_set(said, "transform", transform) == 0;
 }
 
+static bool has_standing(const lf_scene_desc *desc)
+{
+    for (int i = 0; i < desc->n_meshes; i++)
+        if (desc->meshes[i].stands)
+            return true;
+    return false;
+}
+
 bool lf_place_grounds(const lf_scene_desc *desc, const double beside[2][3], lf_mesh_data *data,
                       json_t *key, json_t **out_patch)
 {
@@ -90,6 +104,8 @@ bool lf_place_grounds(const lf_scene_desc *desc, const double beside[2][3], lf_m
     json_t *meshes = NULL;
     bool done = true;
     *out_patch = NULL;
+    if (!has_standing(desc)) /* most scenes: nothing is measured */
+        return true;
     memcpy(bounds, beside, sizeof bounds);
     for (int i = 0; i < desc->n_meshes; i++)
         if (desc->meshes[i].ground != LF_GROUND_SAID && !desc->meshes[i].lamp)
