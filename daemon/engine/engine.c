@@ -186,7 +186,7 @@ void engine_publish(lf_engine *engine)
         .coarse_cost = engine->spent.budget.coarse,
         .complete_cost = engine->spent.budget.complete,
         .frames = engine->frames.n,
-        .reconstructed = engine->renderer && engine->fit.passes > 0,
+        .reconstructed = engine->renderer && engine->picture.reconstructs,
         .blank = engine->look.blank,
     };
     if (engine->content && (engine->content->scene || engine->content->quilt.is_float))

@@ -65,8 +65,8 @@ typedef struct lf_engine_status {
      * paths < 0: no such frame yet. */
     lf_frame_cost coarse_cost, complete_cost;
     uint64_t frames;       /* composed so far */
-    bool reconstructed;    /* frames show the reconstructed picture; otherwise the unfiltered
-                            * answer */
+    bool reconstructed;    /* frames are to show the reconstructed picture, also before the first;
+                            * otherwise the unfiltered answer */
     lf_film_settings film; /* exposure: the one in use */
     lf_blank blank;        /* blank state of the last frame, if the camera sees objects of the
                             * scene */

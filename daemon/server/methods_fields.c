@@ -77,7 +77,7 @@ static const field fields[] = {
     {"status", "target_error", "number", "relMSE", "error at which rendering stops; 0: never"},
     {"status", "paused", "boolean", NULL, "true: rendering is paused"},
     {"status", "guides", "boolean", NULL, "true: what is too near or too far is tinted"},
-    {"status", "denoise", "string", NULL, "on: the denoised image is shown; off: the unfiltered"},
+    {"status", "denoise", "string", NULL, "on: the denoised image is shown, once there is one; off: the unfiltered"},
     {"status", "reconstruct", "string", NULL, "former name of denoise"},
     {"status", "exposure", "@exposure", NULL, "exposure and tone curve"},
     {"status", "shown", "@shown", NULL, "the frame on the panel"},

@@ -24,7 +24,7 @@
 static void destroy(lf_server *server)
 {
     lf_error over;
-    (void)lf_error_set(&over, LF_E_CANCELLED, "", "the daemon is shutting down");
+    (void)lf_error_set(&over, LF_E_BUSY, "", "the daemon is shutting down");
     server->life.phase = LF_PHASE_LEAVING;
     lf_show_end(server->show);
     lf_server_release_loads(server);

@@ -314,6 +314,8 @@ static const char *example_of(const json_t *schema)
 lf_status lf_schema_argument(const json_t *schema, const char *text, json_t *params, lf_error *err)
 {
     const char *equals = strchr(text, '=');
+    if (!equals && json_object_get(json_object_get(schema, "properties"), "file"))
+        return lf_error_set(err, LF_E_ARG, text, "expected key=value; for a file pass file=%s", text);
     if (!equals || equals == text)
         return lf_error_set(err, LF_E_ARG, text, "expected key=value or key:=JSON");
     bool raw = equals[-1] == ':';

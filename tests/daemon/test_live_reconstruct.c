@@ -174,6 +174,23 @@ static void what_is_shown_is_what_is_saved(void **state)
     live_finish(&l);
 }
 
+/* `denoise` is a setting, which does not wait for an image. */
+static void it_is_on_before_the_first_frame(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    begin(&l, &c, "auto");
+    wait_for_shown(&c, "reconstructed", NULL);
+    pause_it(&c);
+    live_number(&c, "camera.orbit", json_pack("{s:i}", "yaw", 5), "generation");
+    assert_true(live_number(&c, "status", NULL, "passes") == 0.0);
+    assert_string_equal(live_status_text(&c, "denoise"), "on");
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    live_finish(&l);
+}
+
 static void it_is_switched_off_and_on_at_once(void **state)
 {
     (void)state;
@@ -279,6 +296,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_panel_shows_the_reconstruction_of_the_film),
         cmocka_unit_test(what_is_shown_is_what_is_saved),
+        cmocka_unit_test(it_is_on_before_the_first_frame),
         cmocka_unit_test(it_is_switched_off_and_on_at_once),
         cmocka_unit_test(begun_without_it_starts_over),
         cmocka_unit_test(another_estimator_is_shown_as_it_is),

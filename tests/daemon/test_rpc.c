@@ -148,6 +148,8 @@ static void words_are_typed_by_the_schema(void **state)
         assert_int_equal(lf_schema_argument(schema_of("render.set"), none[i], params, &err),
                          LF_E_ARG);
     }
+    assert_int_equal(lf_schema_argument(schema_of("scene.load"), "a.glb", params, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "pass file=a.glb"));
     lf_assert_ok(lf_schema_argument(schema_of("render.set"), "estimator=1", params, &err), &err);
     lf_assert_ok(lf_schema_argument(schema_of("subscribe"), "events=frame,scene", params, &err),
                  &err);
