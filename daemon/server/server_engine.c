@@ -221,7 +221,7 @@ static void queue_load(lf_server *server, lf_load *load)
     load->has_calibration = calibration;
     if (calibration)
         load->calibration = *calibration;
-    lf_loading_add(server->loading, load, ++server->n_jobs);
+    lf_loading_add(server->loading, load, load->job.id);
     lf_loader_queue(server->loader, load);
     lf_server_tell_card(server);
 }
@@ -229,6 +229,7 @@ static void queue_load(lf_server *server, lf_load *load)
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
 {
     load->task.done = on_load_done;
+    load->job.id = ++server->n_jobs;
     load->meant = server->config.scene;
     load->deferred = deferred;
     if (load->kind == LF_LOAD_FILE && deferred) /* a client shows something else */
@@ -242,6 +243,16 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
         at = &(*at)->next;
     load->task.next = NULL;
     *at = &load->task;
+}
+
+void lf_server_cancel_load(lf_server *server, int64_t id)
+{
+    for (lf_task *task = server->life.held; task; task = task->next) {
+        lf_load *load = (lf_load *)(void *)task;
+        if (load->job.id == id)
+            lf_loader_cancel(server->loader, load);
+    }
+    (void)lf_loading_cancel(server->loading, id);
 }
 
 void lf_server_release_loads(lf_server *server)

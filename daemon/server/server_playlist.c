@@ -63,8 +63,8 @@ static bool on_due(void *context, const char *file)
 
 static void on_vain(void *context)
 {
-    const lf_server *server = context;
-    (void)lf_loading_cancel(server->loading, server->gallery.listed);
+    lf_server *server = context;
+    lf_server_cancel_load(server, server->gallery.listed);
 }
 
 static void on_changed(void *context)
