@@ -106,7 +106,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
                             lf_rpc_text(server->content->file)));
         if (load->kind == LF_LOAD_FILE) {
             server->life.words = load->words;
-            lf_presses_file(server->presses, camera_of(server->content->scene), load->browsed);
+            lf_presses_file(server->presses, camera_of(server->content->scene), load->job.browsed);
             play_file(server, same);
             server->error.status = LF_OK;
             lf_server_watch(server);
@@ -188,7 +188,7 @@ static void on_load_done(void *reader, lf_task *task)
     if (load->job.listed)
         lf_playlist_loaded(server->gallery.playlist, load->generation,
                            load->status == LF_OK ? NULL : &load->err);
-    bool browsed = load->browsed;
+    bool browsed = load->job.browsed;
     bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !load->job.listed;
     if (browsed && !lf_server_is_stopping(server))
         lf_presses_browsed(server->presses, load->file);

@@ -53,7 +53,7 @@ static bool on_due(void *context, const char *file)
         lf_load_destroy(load);
         return false;
     }
-    load->job.listed = true;
+    load->job.listed = load->fresh = true;
     if (lf_image_ending(file) && !lf_layout_from_name(file, &columns, &rows, &aspect))
         load->words.columns = load->words.rows = 1;
     lf_server_load(server, load, NULL);
