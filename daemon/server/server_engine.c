@@ -272,6 +272,8 @@ void lf_server_release_loads(lf_server *server)
 void lf_server_reload(lf_server *server)
 {
     const char *file = server->content ? server->content->file : server->config.scene;
+    if (lf_playlist_now(server->gallery.playlist).loads) /* it would replace the entry */
+        file = NULL;
     lf_load *load = file ? lf_load_create(LF_LOAD_FILE) : NULL;
     if (load) {
         load->file = lf_strdup(file);

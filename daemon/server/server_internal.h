@@ -196,7 +196,7 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
 void lf_server_cancel_load(lf_server *server, int64_t id);
 /* Queues the loads that arrived before that scene was queued; during shutdown they fail. */
 void lf_server_release_loads(lf_server *server);
-/* Loads the scene file again. */
+/* Loads the scene file again, unless an entry of the playlist is about to take its place. */
 void lf_server_reload(lf_server *server);
 /* Another file is shown: watches it and the files it includes. Does nothing without --watch. */
 void lf_server_watch(lf_server *server);
