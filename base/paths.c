@@ -30,6 +30,14 @@ const char *lf_hidden_home(const char *path)
                : "";
 }
 
+lf_status lf_say_outside(const char *path, lf_error *err)
+{
+    return lf_error_set(err, LF_E_PATH, path,
+                        "is outside the folders that quiltd may read; start quiltd with "
+                        "--allow-path DIR%s",
+                        lf_hidden_home(path));
+}
+
 static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 {
     int e = errno;

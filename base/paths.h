@@ -40,6 +40,10 @@ void lf_roots_finish(lf_roots *roots);
  * systemd's ProtectHome=) and the path is inside one; otherwise "". */
 const char *lf_hidden_home(const char *path);
 
+/* Replaces the error about a path outside the roots by one that names the daemon's option:
+ * LF_E_PATH. */
+lf_status lf_say_outside(const char *path, lf_error *err);
+
 /* The canonical name (lf_free) of a file or folder inside the roots, for messages and comparisons;
  * opening it checks again. For a passed file it is the name it was passed by. LF_E_PATH: outside
  * the roots, whether or not it exists; LF_E_IO: it does not exist; LF_E_NOMEM. */

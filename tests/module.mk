@@ -74,6 +74,9 @@ wire_srcs := $(call wild,daemon/wire/*.c)
 # a gateway with a quiltd that does not exist
 gateway_srcs := tests/web/gateway.c tests/web/caller.c
 
+# a folder that cannot be read
+wrap_test_library_list := -Wl,--wrap=readdir
+
 # connections whose time is over soon
 wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 

@@ -399,8 +399,7 @@ static void run_load(lf_loader *loader, lf_load *load)
         load->status = lf_engine_show_as(loader->engine, content, &load->generation, &load->err);
     else
         load->status =
-            lf_engine_commit(loader->engine, content,
-                             load->kind == LF_LOAD_FILE && !load->browsed && !load->job.listed,
+            lf_engine_commit(loader->engine, content, load->kind == LF_LOAD_FILE && !load->fresh,
                              &load->generation, &load->restored, &load->err);
     load->committed = load->status == LF_OK;
     if (!load->committed) {
@@ -425,8 +424,8 @@ static bool are_one(const lf_task *task, const lf_task *next)
         return false;
     if (a->kind == LF_LOAD_FILE)
         return !a->deferred && !b->deferred && a->sent.document == b->sent.document &&
-               a->sent.passed == b->sent.passed && !a->browsed && !b->browsed && !a->reset &&
-               !b->reset && !a->job.listed && !b->job.listed && strcmp(a->file, b->file) == 0;
+               a->sent.passed == b->sent.passed && !a->fresh && !b->fresh && !a->reset &&
+               !b->reset && strcmp(a->file, b->file) == 0;
     return a->kind == LF_LOAD_PATCH || a->kind == LF_LOAD_ORBIT;
 }
 

@@ -31,7 +31,7 @@ typedef struct lf_load_job {
     const char *method;              /* the poster's: the call that waits, static; NULL: none */
     struct lf_load *earlier, *later; /* the poster's: neighbours in the queue */
     int looks;                       /* the poster's: how often it was seen in progress */
-    bool listed;                     /* the poster's: an entry of the playlist */
+    bool listed, browsed;            /* the poster's: by the playlist; by a button */
     atomic_bool running;             /* in progress, alone or merged with others */
     atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;
@@ -73,7 +73,7 @@ typedef struct lf_load {
     lf_calibration calibration;
     bool has_calibration;
     bool force;     /* APPLY: commit even if the settings do not change */
-    bool browsed;   /* the poster's: requested by a button */
+    bool fresh;     /* FILE: resumes from no saved state, and is not merged with others */
     bool reset;     /* the poster's: a camera reset by a button */
     bool played;    /* one frame of an animation */
     void *deferred; /* the poster's */

@@ -76,12 +76,7 @@ lf_status lf_library_check_room(const lf_library *library, uint64_t client, cons
 /* The remedies for scenes do not help here. */
 static lf_status reword(lf_status status, const char *path, lf_error *err)
 {
-    return status == LF_E_PATH
-               ? lf_error_set(err, status, path,
-                              "is outside the folders that quiltd may read; start quiltd with "
-                              "--allow-path DIR%s",
-                              lf_hidden_home(path))
-               : status;
+    return status == LF_E_PATH ? lf_say_outside(path, err) : status;
 }
 
 static lf_status list(lf_errand *errand, lf_error *err)

@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <string.h>
 #include <strings.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
 #include "base/file.h"
 #include "daemon/wire/rpc.h"
 #include "quilt/quilt.h"
@@ -167,7 +169,7 @@ static lf_status look_at_all(listing *l, DIR *dir, const lf_cancel *cancel, lf_e
 {
     const struct dirent *entry;
     item found;
-    while ((entry = readdir(dir))) {
+    while (errno = 0, (entry = readdir(dir))) {
         if (atomic_load(cancel))
             return lf_error_set(err, LF_E_CANCELLED, l->folder, "cancelled");
         if (entry->d_name[0] == '.' || !look_at(l, entry->d_name, &found))
@@ -175,7 +177,9 @@ static lf_status look_at_all(listing *l, DIR *dir, const lf_cancel *cancel, lf_e
         if (!insert(l, &found, entry->d_name))
             return fail_memory(l->folder, err);
     }
-    return LF_OK;
+    return errno == 0 ? LF_OK
+                      : lf_error_set(err, LF_E_IO, l->folder, "cannot be listed: %s",
+                                     lf_errno_text(errno));
 }
 
 /* ---------------------------------------------------------------------------------- together -- */

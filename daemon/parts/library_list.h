@@ -14,7 +14,7 @@
 /* The answer of library.list for this absolute folder; NULL: for the roots. Entries that cannot be
  * shown, are hidden, have names that are not UTF-8, or lead out of the roots are left out. Memory
  * is bounded for any folder. A new reference. Thread: any; it may hang with the file system. Errors
- * of lf_roots_open_folder; LF_E_CANCELLED, LF_E_NOMEM. */
+ * of lf_roots_open_folder; LF_E_IO, LF_E_CANCELLED, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_library_list_of(const lf_roots *roots, const char *folder,
                                           const lf_cancel *cancel, json_t **out, lf_error *err);
 

@@ -61,7 +61,7 @@ static lf_load *find_load(const lf_loading *loading, int64_t id)
 /* For a load by a button, the loader determines the file. */
 const char *lf_loading_file(const lf_load *load)
 {
-    return load->kind == LF_LOAD_FILE && !load->browsed ? load->file : NULL;
+    return load->kind == LF_LOAD_FILE && !load->job.browsed ? load->file : NULL;
 }
 
 const lf_load *lf_loading_first(const lf_loading *loading)
@@ -111,7 +111,7 @@ void lf_loading_end_vain(lf_loading *loading)
 /* True if a client wants this file instead of the current load. */
 static bool asks_for_file(const lf_load *load)
 {
-    return load->kind == LF_LOAD_FILE && (load->deferred || load->browsed);
+    return load->kind == LF_LOAD_FILE && (load->deferred || load->job.browsed);
 }
 
 static bool same_file(const lf_load *a, const lf_load *b)

@@ -39,7 +39,8 @@ lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
                                .n = playlist->n,
                                .index = playlist->index,
                                .playing = playlist->playing,
-                               .loop = playlist->loop};
+                               .loop = playlist->loop,
+                               .loads = playlist->pace.on_its_way && !playlist->vain};
 }
 
 static void tell(lf_playlist *playlist)

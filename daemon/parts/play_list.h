@@ -32,6 +32,7 @@ typedef struct lf_playlist_state {
     int n;
     int index; /* of the current entry; 0 without entries */
     bool playing, loop;
+    bool loads; /* the current entry is being loaded */
 } lf_playlist_state;
 
 /* events is copied, event borrowed. LF_E_NOMEM. */

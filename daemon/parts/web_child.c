@@ -15,7 +15,7 @@
 #include "base/spawn.h"
 
 #define PROGRAM "quiltweb"
-enum { N_STANDARD = 3, NAPS = 100, NAP_MS = 10 };
+enum { N_STANDARD = 3, NAPS = 20, NAP_MS = 10 };
 
 struct lf_web_child {
     pid_t pid;   /* 0: it has ended */
@@ -33,8 +33,12 @@ static int on_end(sd_event_source *source, const siginfo_t *info, void *context)
     if (info->si_code != CLD_EXITED)
         lf_log(LF_LOG_ERROR, PROGRAM ": was ended by signal %d; restart quiltd to start it again",
                info->si_status);
-    else if (info->si_status == 0)
+    else if (info->si_status == EXIT_SUCCESS)
         lf_log(LF_LOG_INFO, PROGRAM ": has ended; restart quiltd to start it again");
+    else if (info->si_status != EXIT_FAILURE)
+        lf_log(LF_LOG_ERROR,
+               PROGRAM ": has ended with exit status %d; restart quiltd to start it again",
+               info->si_status);
     return 0;
 }
 

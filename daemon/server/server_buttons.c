@@ -13,7 +13,7 @@ static bool on_browse(void *context, const char *from, int step)
         return false;
     }
     load->step = step;
-    load->browsed = true;
+    load->job.browsed = load->fresh = true;
     lf_server_load(context, load, NULL);
     return true;
 }

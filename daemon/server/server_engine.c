@@ -106,7 +106,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
                             lf_rpc_text(server->content->file)));
         if (load->kind == LF_LOAD_FILE) {
             server->life.words = load->words;
-            lf_presses_file(server->presses, camera_of(server->content->scene), load->browsed);
+            lf_presses_file(server->presses, camera_of(server->content->scene), load->job.browsed);
             play_file(server, same);
             server->error.status = LF_OK;
             lf_server_watch(server);
@@ -188,7 +188,7 @@ static void on_load_done(void *reader, lf_task *task)
     if (load->job.listed)
         lf_playlist_loaded(server->gallery.playlist, load->generation,
                            load->status == LF_OK ? NULL : &load->err);
-    bool browsed = load->browsed;
+    bool browsed = load->job.browsed;
     bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !load->job.listed;
     if (browsed && !lf_server_is_stopping(server))
         lf_presses_browsed(server->presses, load->file);
@@ -221,7 +221,7 @@ static void queue_load(lf_server *server, lf_load *load)
     load->has_calibration = calibration;
     if (calibration)
         load->calibration = *calibration;
-    lf_loading_add(server->loading, load, ++server->n_jobs);
+    lf_loading_add(server->loading, load, load->job.id);
     lf_loader_queue(server->loader, load);
     lf_server_tell_card(server);
 }
@@ -229,6 +229,7 @@ static void queue_load(lf_server *server, lf_load *load)
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
 {
     load->task.done = on_load_done;
+    load->job.id = ++server->n_jobs;
     load->meant = server->config.scene;
     load->deferred = deferred;
     if (load->kind == LF_LOAD_FILE && deferred) /* a client shows something else */
@@ -242,6 +243,16 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
         at = &(*at)->next;
     load->task.next = NULL;
     *at = &load->task;
+}
+
+void lf_server_cancel_load(lf_server *server, int64_t id)
+{
+    for (lf_task *task = server->life.held; task; task = task->next) {
+        lf_load *load = (lf_load *)(void *)task;
+        if (load->job.id == id)
+            lf_loader_cancel(server->loader, load);
+    }
+    (void)lf_loading_cancel(server->loading, id);
 }
 
 void lf_server_release_loads(lf_server *server)
@@ -261,6 +272,8 @@ void lf_server_release_loads(lf_server *server)
 void lf_server_reload(lf_server *server)
 {
     const char *file = server->content ? server->content->file : server->config.scene;
+    if (lf_playlist_now(server->gallery.playlist).loads) /* it would replace the entry */
+        file = NULL;
     lf_load *load = file ? lf_load_create(LF_LOAD_FILE) : NULL;
     if (load) {
         load->file = lf_strdup(file);

@@ -86,7 +86,7 @@ typedef struct lf_gallery {
     lf_library *library;
     lf_playlist *playlist;
     lf_errands *checks; /* entries of playlist.set */
-    int64_t listed;     /* number of the playlist's last load; 0: not queued yet */
+    int64_t listed;     /* number of the playlist's last load */
 } lf_gallery;
 
 /* The daemon from its start to its end: server.c. */
@@ -189,12 +189,14 @@ void lf_server_begin(lf_server *server);
 int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context);
 /* A frame is shown: answers waits, notifies subscribers. */
 void lf_server_shown(lf_server *server, const lf_shown *shown);
-/* Queues a load with the current options and panel, after the scene of the command line; deferred
- * may be NULL. */
+/* Queues a load with the current options and panel, after the scene of the command line, and
+ * numbers it (job.id); deferred may be NULL. */
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
+/* Cancels the load with this number, also while it waits for the panel. */
+void lf_server_cancel_load(lf_server *server, int64_t id);
 /* Queues the loads that arrived before that scene was queued; during shutdown they fail. */
 void lf_server_release_loads(lf_server *server);
-/* Loads the scene file again. */
+/* Loads the scene file again, unless an entry of the playlist is about to take its place. */
 void lf_server_reload(lf_server *server);
 /* Another file is shown: watches it and the files it includes. Does nothing without --watch. */
 void lf_server_watch(lf_server *server);

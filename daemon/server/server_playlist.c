@@ -53,7 +53,7 @@ static bool on_due(void *context, const char *file)
         lf_load_destroy(load);
         return false;
     }
-    load->job.listed = true;
+    load->job.listed = load->fresh = true;
     if (lf_image_ending(file) && !lf_layout_from_name(file, &columns, &rows, &aspect))
         load->words.columns = load->words.rows = 1;
     lf_server_load(server, load, NULL);
@@ -63,8 +63,8 @@ static bool on_due(void *context, const char *file)
 
 static void on_vain(void *context)
 {
-    const lf_server *server = context;
-    (void)lf_loading_cancel(server->loading, server->gallery.listed);
+    lf_server *server = context;
+    lf_server_cancel_load(server, server->gallery.listed);
 }
 
 static void on_changed(void *context)
@@ -107,12 +107,8 @@ static lf_status refuse(int index, const char *file, lf_status status, const lf_
 {
     char pointer[48];
     snprintf(pointer, sizeof pointer, "/entries/%d/file", index);
-    if (status == LF_E_PATH)
-        return lf_error_set_at(err, status, "playlist.set", 0, pointer,
-                               "%s is outside the folders that quiltd may read; start quiltd with "
-                               "--allow-path DIR%s",
-                               file, lf_hidden_home(file));
-    return lf_error_set_at(err, status, "playlist.set", 0, pointer, "%s: %s", file, why->what);
+    return lf_error_set_at(err, status, "playlist.set", 0, pointer, "%s%s %s", file,
+                           status == LF_E_PATH ? "" : ":", why->what);
 }
 
 static size_t bytes_of(const lf_playlist_entry *entry)
@@ -134,6 +130,8 @@ static lf_status check_entries(lf_errand *errand, lf_error *err)
         if (atomic_load(&errand->cancel))
             return lf_error_set(err, LF_E_CANCELLED, "playlist.set", "cancelled");
         lf_status status = lf_server_resolve(c->roots, c->entries[i].file, &real, &why);
+        if (status == LF_E_PATH)
+            (void)lf_say_outside(c->entries[i].file, &why);
         if (status != LF_OK)
             return refuse(i, c->entries[i].file, status, &why, err);
         lf_free(c->entries[i].file);

@@ -367,6 +367,30 @@ static void the_first_scene_is_replaced_by_another_file_alone(void **state)
     END(&l, &moves, &other, &third);
 }
 
+/* The entry would be replaced by the file before it. */
+static void no_file_is_read_again_while_an_entry_of_the_playlist_loads(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    BEGIN(&l, &c);
+    json_t *entries =
+        json_pack("{s:[{s:s, s:i}]}", "entries", "file", "slow.json", "seconds", 86400);
+    assert_int_equal(live_code(&c, "playlist.set", entries), 0);
+    assert_int_equal(live_code(&c, "playlist.play", NULL), 0);
+    await_starts(&l, 1);
+    kill(l.pid, SIGHUP);
+    for (int i = 0; i < 3; i++) /* turns of the event loop, for the signal */
+        (void)live_status_text(&c, "state");
+    assert_true(live_number(&c, "status", NULL, "loading") == 1);
+    assert_int_equal(live_code(&c, "playlist.stop", NULL), 0); /* nothing is on its way any more */
+    const double before = live_number(&c, "status", NULL, "generation");
+    kill(l.pid, SIGHUP);
+    while (live_number(&c, "status", NULL, "generation") == before)
+        live_nap(20);
+    END(&l, &c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -380,6 +404,7 @@ int main(void)
         cmocka_unit_test(a_load_is_replaced_when_who_asked_goes),
         cmocka_unit_test(a_half_closed_asker_gets_its_answer),
         cmocka_unit_test(the_first_scene_is_replaced_by_another_file_alone),
+        cmocka_unit_test(no_file_is_read_again_while_an_entry_of_the_playlist_loads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -228,16 +228,12 @@ static void a_failed_start_is_one_line_and_the_daemon_goes_on(void **state)
     live_finish(&l);
 }
 
-/* A quiltd without its quiltweb. */
-static void a_missing_program_is_one_line_and_the_daemon_goes_on(void **state)
+/* Copies quiltd into the folder, and starts it there with --web. */
+static void start_alone(live *l)
 {
-    (void)state;
-    live l;
-    live_client c;
-    char line[1024], alone[PATH_MAX];
+    static char alone[PATH_MAX];
     struct stat st;
-    live_prepare(&l);
-    snprintf(alone, sizeof alone, "%s/quiltd", l.folder);
+    snprintf(alone, sizeof alone, "%s/quiltd", l->folder);
     int in = open(lf_test_built("quiltd"), O_RDONLY | O_CLOEXEC);
     int out = open(alone, O_WRONLY | O_CREAT | O_CLOEXEC, 0700);
     assert_int_equal(fstat(in, &st), 0);
@@ -252,16 +248,43 @@ static void a_missing_program_is_one_line_and_the_daemon_goes_on(void **state)
                     (char *)(uintptr_t) "--device",
                     (char *)(uintptr_t) "none",
                     (char *)(uintptr_t) "--socket",
-                    l.socket,
+                    l->socket,
                     (char *)(uintptr_t) "--web",
                     NULL};
-    l.pid = live_spawn(&l, args);
-    await_line(&l, "quiltd: quiltweb: the program is missing", line);
-    live_connect(&l, &c);
+    l->pid = live_spawn(l, args);
+}
+
+/* Starts it so, and ends it after one line about quiltweb with this text. */
+static void assert_one_line(live *l, const char *text)
+{
+    live_client c;
+    char line[1024];
+    start_alone(l);
+    await_line(l, text, line);
+    live_connect(l, &c);
     assert_string_equal(live_status_text(&c, "state"), "idle");
     live_close(&c);
-    assert_int_equal(words_about_it(&l), 1);
-    live_finish(&l);
+    assert_int_equal(words_about_it(l), 1);
+    live_finish(l);
+}
+
+static void a_missing_program_is_one_line_and_the_daemon_goes_on(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    assert_one_line(&l, "quiltd: quiltweb: the program is missing");
+}
+
+/* Not by a failure, of which it tells itself: as the dynamic linker ends it, for example. */
+static void another_exit_status_is_told(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    lf_test_write(l.folder, "quiltweb", "#!/bin/sh\nexit 127\n");
+    assert_int_equal(chmod(lf_test_path(l.folder, "quiltweb"), 0700), 0);
+    assert_one_line(&l, "quiltd: quiltweb: has ended with exit status 127; restart quiltd");
 }
 
 /* systemd's socket has a path, too, and what systemd says to quiltd is not for quiltweb. */
@@ -326,6 +349,7 @@ int main(void)
         cmocka_unit_test(its_own_end_is_told_once_and_the_daemon_goes_on),
         cmocka_unit_test(a_failed_start_is_one_line_and_the_daemon_goes_on),
         cmocka_unit_test(a_missing_program_is_one_line_and_the_daemon_goes_on),
+        cmocka_unit_test(another_exit_status_is_told),
         cmocka_unit_test(it_finds_a_socket_from_systemd),
         cmocka_unit_test(wrong_usage_is_2),
     };

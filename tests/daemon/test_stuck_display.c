@@ -203,6 +203,27 @@ static void a_display_that_hangs_while_it_is_opened_does_not_hold_up_the_end(voi
     end_while_it_hangs(MUTE, false);
 }
 
+/* Loads wait for the display, for ten seconds. The patch comes after them. */
+static void what_waits_for_the_display_can_be_cancelled(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    start(&l, MUTE);
+    lf_test_write(l.folder, "scene/other.json", LIVE_SCENE);
+    live_connect(&l, &c);
+    wait_until_it_hangs(&l);
+    json_t *entries = json_pack("{s:[{s:s, s:i}]}", "entries", "file", "other.json", "seconds", 9);
+    assert_int_equal(live_code(&c, "playlist.set", entries), 0);
+    assert_int_equal(live_code(&c, "playlist.play", NULL), 0);
+    assert_int_equal(live_code(&c, "playlist.stop", NULL), 0);
+    json_t *patch = json_pack("{s:{s:{s:i}}}", "patch", "camera", "fov_y", 20);
+    assert_int_equal(live_code(&c, "scene.patch", patch), 0);
+    assert_string_equal(live_status_text(&c, "scene"), l.scene);
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* The rest of the file can show a picture, and a panel that is well leaves nothing to the kernel.
  */
 static void a_healthy_display_is_shown_on_and_given_back(void **state)
@@ -226,6 +247,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_display_that_hangs_in_a_push_does_not_hold_up_the_end),
         cmocka_unit_test(a_driver_that_cannot_be_interrupted_does_not_hold_up_the_end),
         cmocka_unit_test(a_display_that_hangs_while_it_is_opened_does_not_hold_up_the_end),
+        cmocka_unit_test(what_waits_for_the_display_can_be_cancelled),
         cmocka_unit_test(a_healthy_display_is_shown_on_and_given_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
