@@ -179,6 +179,7 @@ static void a_stream_ends_with_a_quiltd_that_hangs(void **state)
     for (int s = 50; s < 70; s += LF_STREAM_REPEAT_S)
         lf_clock_pass(event, LF_STREAM_REPEAT_S);
     assert_false(is_open(fd));
+    assert_false(is_open(b.quiltd)); /* its place is free */
     close(fd);
     end_behind(&b);
 }
