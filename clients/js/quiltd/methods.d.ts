@@ -169,7 +169,7 @@ export interface Calls {
       "paused"?: boolean;
       /** true: what is too near or too far is tinted */
       "guides"?: boolean;
-      /** on: the denoised image is shown; off: the unfiltered */
+      /** on: the denoised image is shown, once there is one; off: the unfiltered */
       "denoise"?: string;
       /** former name of denoise */
       "reconstruct"?: string;
