@@ -336,6 +336,19 @@ describe("every visitor", () => {
         assert.deepEqual(await look(width, scheme), []);
       });
 
+  step("can name a long file without a wider page", async () => {
+    const name = `${"a_long_name_".repeat(8)}.glb`;
+    await page.setViewportSize({ width: 360, height: heights[360] });
+    await drop([{ name, data: makePyramid([0.2, 0.2, 0.7]) }]);
+    await until(async () => (await at("#scene").textContent()).endsWith(name));
+    await drop([{ name: name.replace("glb", "docx"), data: Buffer.from("text") }]);
+    await until(async () => (await notice()).includes(".docx"));
+    const right = await at("#dismiss").evaluate((one) => one.getBoundingClientRect().right);
+    assert.ok(right <= 360, `the cross of the error ends at ${right}`);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
+    await at("#dismiss").click();
+  });
+
   step("has a page of 2560 pixels", async () => {
     await page.setViewportSize({ width: 2560, height: heights[2560] });
     for (const scheme of ["light", "dark"]) {
