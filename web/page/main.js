@@ -3,9 +3,9 @@
 import { at } from "./dom.js";
 import { ExportForm } from "./export_form.js";
 import { Health } from "./health.js";
-import { latest } from "./latest.js";
 import { Library } from "./library.js";
 import { Picture } from "./picture.js";
+import { Render } from "./render.js";
 import { Rpc } from "./rpc.js";
 import { Scene } from "./scene.js";
 import { SceneTab } from "./scene_tab.js";
@@ -81,9 +81,11 @@ class Page {
       rpc,
       fail: complain,
       scene: new Scene(rpc, complain),
+      render: new Render(rpc, complain),
       queue: (entry) => this.slideshow.add(entry),
     };
     this.scene = context.scene;
+    this.render = context.render;
     this.stage = new Stage(context);
     this.picture = new Picture(context);
     this.library = new Library(context);
@@ -126,13 +128,10 @@ class Page {
       this.scene.cameraMoves();
       rpc.call("camera.fit").then(() => complain(), complain);
     });
-    const pause = latest((params) =>
-      rpc.call("render.set", params).then(() => complain(), complain),
-    );
     at("pause").addEventListener("click", ({ currentTarget }) => {
       const paused = currentTarget.getAttribute("aria-pressed") !== "true";
       currentTarget.setAttribute("aria-pressed", String(paused));
-      pause({ paused });
+      this.render.set({ paused });
     });
     at("undo").addEventListener("click", () => this.scene.undo());
     at("redo").addEventListener("click", () => this.scene.redo());
@@ -205,13 +204,15 @@ class Page {
   }
 
   #status(status) {
+    const settings = this.render.follow(status);
     at("progress").textContent = describe(status);
     at("scene").textContent = status.scene?.split("/").pop() ?? "";
     at("scene").title = status.scene ?? "";
-    at("pause").setAttribute("aria-pressed", String(Boolean(status.paused)));
+    at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
     notify("scene", status.error?.message);
-    for (const part of [this.stage, this.picture, this.exports, this.health]) part.status(status);
+    for (const part of [this.stage, this.picture, this.exports, this.health])
+      part.status(status, settings);
   }
 }
 
