@@ -77,11 +77,12 @@ function describe(status) {
 
 class Page {
   constructor() {
+    const scene = new Scene(rpc, complain);
     const context = {
       rpc,
       fail: complain,
-      scene: new Scene(rpc, complain),
-      render: new Render(rpc, complain),
+      scene,
+      render: new Render(rpc, scene, complain),
       queue: (entry) => this.slideshow.add(entry),
     };
     this.scene = context.scene;

@@ -135,9 +135,9 @@ export class Picture {
     this.exposure = slider(
       "Exposure",
       range,
-      (stops) => {
+      (stops, group) => {
         this.auto.checked = false;
-        this.#render.set({ exposure: stops });
+        this.#render.set({ exposure: stops }, group);
       },
       (stops) => `${stops > 0 ? "+" : ""}${format(stops)}`,
     );
