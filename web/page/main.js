@@ -13,7 +13,7 @@ import { Slideshow } from "./slideshow.js";
 import { acceptFiles, makeSheet, Stage } from "./stage.js";
 import { makeTabs } from "./tabs.js";
 import { filesOf } from "./upload.js";
-import { timeLeft } from "./words.js";
+import { describe, fileName } from "./words.js";
 
 const STATUS_MS = 1000;
 const rpc = new Rpc();
@@ -64,15 +64,6 @@ async function explain(reason) {
   };
   if (!answer) return "quiltweb has ended. This page connects when it runs again.";
   return words[answer.status] ?? "";
-}
-
-function describe(status) {
-  if (status.is_quilt)
-    return `finished image · ${status.views} ${status.views === 1 ? "view" : "views"}`;
-  const level = status.level === "none" ? "no image yet" : status.level;
-  const words = status.state === "rendering" ? [level, timeLeft(status)] : [status.state, level];
-  if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
-  return [...new Set(words.filter(Boolean))].join(" · ");
 }
 
 class Page {
@@ -206,8 +197,9 @@ class Page {
 
   #status(status) {
     const settings = this.render.follow(status);
+    const waits = this.stage.waits(status);
     at("progress").textContent = describe(status);
-    at("scene").textContent = status.scene?.split("/").pop() ?? "";
+    at("scene").textContent = `${waits ? "loading " : ""}${fileName(status.scene)}`;
     at("scene").title = status.scene ?? "";
     at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;

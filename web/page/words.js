@@ -22,6 +22,27 @@ export function secondsLeft(status) {
   return Math.max(0, status.seconds * (error / status.target_error - 1));
 }
 
+export const fileName = (path) => path?.split("/").pop() ?? "";
+
+// What there is of the image: its level, or why there is none.
+function levelText(status) {
+  if (status.load?.file && status.load.kind === "file")
+    return `loading ${fileName(status.load.file)}`;
+  if (status.level !== "none") return status.level;
+  if (status.paused) return "Paused: press Pause to see the change";
+  return status.scene ? "waiting for the first image" : "no scene";
+}
+
+/** A line on how far the image is. @param status result of the method status */
+export function describe(status) {
+  if (status.is_quilt) return `finished image · ${one(status.views, "view")}`;
+  const level = levelText(status);
+  if (status.level === "none") return level;
+  const words = status.state === "rendering" ? [level, timeLeft(status)] : [status.state, level];
+  if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
+  return [...new Set(words.filter(Boolean))].join(" · ");
+}
+
 export function timeLeft(status) {
   if (status.state === "paused") return "paused";
   if (status.state === "converged") return "done: the error is below the target";

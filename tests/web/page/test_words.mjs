@@ -4,6 +4,7 @@ import { test } from "node:test";
 import {
   bytesText,
   depthText,
+  describe,
   duration,
   progressOf,
   secondsLeft,
@@ -33,6 +34,20 @@ test("the time left is the daemon's, or follows from the error", () => {
   );
   assert.equal(timeLeft({ state: "paused" }), "paused");
   assert.equal(timeLeft({ state: "idle" }), "");
+});
+
+test("a line says what is waited for", () => {
+  const status = { state: "rendering", scene: "/srv/b.glb", level: "none", passes: 0 };
+  assert.equal(describe(status), "waiting for the first image");
+  assert.equal(
+    describe({ ...status, state: "paused", paused: true }),
+    "Paused: press Pause to see the change",
+  );
+  assert.equal(describe({ ...status, paused: true, level: "coarse", state: "paused", passes: 2 }), "paused · coarse · 2.00 passes");
+  const load = { kind: "file", file: "/srv/next.obj" };
+  assert.match(describe({ ...status, level: "complete", load }), /^loading next\.obj/);
+  assert.match(describe({ ...status, level: "complete", load: { kind: "orbit", file: null } }), /^complete/);
+  assert.equal(describe({ is_quilt: true, views: 1 }), "finished image · 1 view");
 });
 
 test("progress goes from an error of 1 to the target", () => {
