@@ -36,6 +36,7 @@ static const lf_page pages[] = {
     PAGE("/numbers.js", JS, numbers_js),
     PAGE("/patch.js", JS, patch_js),
     PAGE("/picture.js", JS, picture_js),
+    PAGE("/remaining.js", JS, remaining_js),
     PAGE("/render.js", JS, render_js),
     PAGE("/rig.js", JS, rig_js),
     PAGE("/rpc.js", JS, rpc_js),

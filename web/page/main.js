@@ -5,6 +5,7 @@ import { ExportForm } from "./export_form.js";
 import { Health } from "./health.js";
 import { Library } from "./library.js";
 import { Picture } from "./picture.js";
+import { Remaining } from "./remaining.js";
 import { Render } from "./render.js";
 import { Rpc } from "./rpc.js";
 import { Scene } from "./scene.js";
@@ -92,6 +93,7 @@ class Page {
       this.showTab("library");
       this.library.take(files);
     });
+    this.remaining = new Remaining();
     this.#follow();
   }
 
@@ -197,15 +199,16 @@ class Page {
 
   #status(status) {
     const settings = this.render.follow(status);
+    const left = this.remaining.take(status);
     const waits = this.stage.waits(status);
-    at("progress").textContent = describe(status);
+    at("progress").textContent = describe(status, left);
     at("scene").textContent = `${waits ? "loading " : ""}${fileName(status.scene)}`;
     at("scene").title = status.scene ?? "";
     at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
     notify("scene", status.error?.message);
     for (const part of [this.stage, this.picture, this.exports, this.health])
-      part.status(status, settings);
+      part.status(status, settings, left);
   }
 }
 

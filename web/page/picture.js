@@ -4,7 +4,7 @@ import { fill, heading, labelled, make, select } from "./dom.js";
 import { format } from "./numbers.js";
 import { distanceOf, placed, targetAt } from "./rig.js";
 import { freshGroup } from "./scrub.js";
-import { depthText, errorText, progressOf, timeLeft } from "./words.js";
+import { depthText, errorText, progressOf } from "./words.js";
 
 const REST_MS = 600;
 const KEYS = [
@@ -250,12 +250,12 @@ export class Picture {
     this.focus.set(Math.log(now));
   }
 
-  /** @param settings see Render.follow */
-  status(status, settings) {
+  /** @param settings see Render.follow; left: words on the time left */
+  status(status, settings, left) {
     this.#status = status;
     this.unfiltered.set(status.error_estimate, status.target_error);
     this.denoised.set(status.denoised_error, status.target_error);
-    this.left.textContent = timeLeft(status);
+    this.left.textContent = left;
     this.#showSettings(settings);
     const { text, level } = depthText(status.depth_budget);
     this.budget.textContent = text;

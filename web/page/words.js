@@ -2,13 +2,15 @@
 
 const one = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
 
-/** "about 40 s", "about 3 min". */
+const MINUTES = [1, 2, 3, 5, 10, 15, 20, 30, 45, 60];
+
+/** "less than a minute", "about 10 min", "hours": no rounder than an estimate is. */
 export function duration(seconds) {
-  if (seconds < 1) return "about a second";
-  if (seconds < 90)
-    return `about ${seconds < 20 ? Math.round(seconds) : Math.round(seconds / 5) * 5} s`;
-  if (seconds < 5400) return `about ${Math.round(seconds / 60)} min`;
-  return `about ${one(Math.round(seconds / 3600), "hour")}`;
+  if (seconds < 45) return "less than a minute";
+  if (seconds >= 5400) return "hours";
+  const minutes = seconds / 60;
+  const off = (n) => Math.abs(Math.log(minutes / n));
+  return `about ${MINUTES.reduce((a, b) => (off(b) < off(a) ? b : a))} min`;
 }
 
 /**
@@ -33,22 +35,18 @@ function levelText(status) {
   return status.scene ? "waiting for the first image" : "no scene";
 }
 
-/** A line on how far the image is. @param status result of the method status */
-export function describe(status) {
+/**
+ * A line on how far the image is.
+ * @param status result of the method status
+ * @param left words on the time left
+ */
+export function describe(status, left) {
   if (status.is_quilt) return `finished image · ${one(status.views, "view")}`;
   const level = levelText(status);
   if (status.level === "none") return level;
-  const words = status.state === "rendering" ? [level, timeLeft(status)] : [status.state, level];
+  const words = status.state === "rendering" ? [level, left] : [status.state, level];
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
   return [...new Set(words.filter(Boolean))].join(" · ");
-}
-
-export function timeLeft(status) {
-  if (status.state === "paused") return "paused";
-  if (status.state === "converged") return "done: the error is below the target";
-  if (status.state !== "rendering") return "";
-  const left = secondsLeft(status);
-  return left === undefined ? "time left unknown" : `${duration(left)} left`;
 }
 
 /** How far an error has come from 1 to the target, by its logarithm: 0 to 1. */
