@@ -251,6 +251,13 @@ describe("files of the person", () => {
     assert.equal(await notice(), "");
     assert.equal((await quiltd.q.status()).scene, scene);
   });
+
+  step("leave no error behind when the tab changes", async () => {
+    await drop([{ name: "letter.docx", data: Buffer.from("text") }]);
+    await until(async () => /letter\.docx/.test(await notice()));
+    await tab("picture");
+    assert.equal(await notice(), "");
+  });
 });
 
 describe("the other tabs", () => {
@@ -273,6 +280,9 @@ describe("the other tabs", () => {
   });
 
   step("show the folders of quiltd, and make a slideshow of their files", async () => {
+    await tab("slideshow");
+    for (const name of ["Play", "Previous", "Next"])
+      assert.equal(await at("#panel-slideshow").getByRole("button", { name, exact: true }).isEnabled(), false);
     await tab("library");
     await at('#entries [data-kind="folder"]').first().click();
     const add = at("#entries .add").first();

@@ -122,6 +122,7 @@ export class ExportForm {
   }
 
   #start() {
+    this.#fail();
     const kind = this.kind.value;
     const params = {
       kind,

@@ -71,6 +71,7 @@ export class Health {
   }
 
   shown() {
+    this.#fail();
     if (this.#methods.doctor)
       this.#rpc
         .call("doctor")

@@ -155,6 +155,7 @@ export class Library {
 
   async #choose({ name, path, kind }) {
     if (kind === "folder") return this.#open(path);
+    this.#fail();
     const plan = await this.#plan(name, kind);
     if (plan) await this.#use(plan, path, {});
   }
@@ -229,6 +230,7 @@ export class Library {
   async take(files) {
     this.picker.value = "";
     if (!files.length) return;
+    this.#fail();
     const main = mainOf(files.map(nameOf));
     if (!main)
       return this.#fail({

@@ -111,6 +111,7 @@ class Page {
     at("panels").append(...tabs.map(({ panel }) => panel));
     this.showTab = makeTabs(at("tabs"), tabs, (id) => {
       this.tab = id;
+      complain(); // what went wrong belongs to the tab before
       tabs.find((one) => one.id === id).part.shown?.();
     });
     at("tabs").addEventListener("click", raise);
