@@ -359,6 +359,25 @@ describe("every visitor", () => {
     await at("#dismiss").click();
   });
 
+  step("keeps a large part of a phone for the picture", async () => {
+    await tab("picture");
+    for (const [size, share] of [["half", 0.4], ["tall", 0.25]]) {
+      await until(async () => {
+        if ((await at("#side").getAttribute("data-size")) === size) return true;
+        await at("#sheet").press("Enter");
+      });
+      const [stage, controls, side] = await Promise.all(["#stage", "#controls", "#side"].map((one) => at(one).boundingBox()));
+      assert.ok(stage.height >= share * heights[360] - 1, `${size}: ${stage.height}`);
+      assert.ok(controls.y + controls.height <= side.y, `${size}: the sheet covers the controls`);
+      assert.ok(side.y + side.height <= heights[360] + 1, `${size}: the sheet ends at ${side.y + side.height}`);
+    }
+    const fold = heights[360];
+    for (const id of ["exposure", "focus", "depth"]) {
+      const { y, height } = await at(`#${id}`).boundingBox();
+      assert.ok(y + height <= fold, `${id} ends at ${y + height}`);
+    }
+  });
+
   step("has a page of 2560 pixels", async () => {
     await page.setViewportSize({ width: 2560, height: heights[2560] });
     for (const scheme of ["light", "dark"]) {

@@ -108,6 +108,9 @@ export class Picture {
       ...KEYS.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]),
     );
     this.element.append(
+      this.look,
+      this.light,
+      this.depths,
       make(
         "section",
         {},
@@ -120,8 +123,6 @@ export class Picture {
         labelled("Estimator", this.estimator),
         labelled("Integrator", this.integrator),
       ),
-      this.light,
-      this.depths,
       make("details", { id: "keys" }, make("summary", {}, "Mouse, touch and keys"), keys),
     );
   }
@@ -169,14 +170,7 @@ export class Picture {
     this.integrator.addEventListener("change", () =>
       this.#render.set({ integrator: this.integrator.value }),
     );
-    this.light = make(
-      "section",
-      {},
-      heading("Light"),
-      this.exposure.element,
-      labelled("Automatic", this.auto),
-      labelled("Tone", this.tone),
-    );
+    this.light = make("section", {}, heading("Light"), labelled("Tone", this.tone));
   }
 
   #makeDepth() {
@@ -199,13 +193,19 @@ export class Picture {
       { id: "blur", min: "0", max: "4", step: "0.05" },
       (view_blur, group) => this.#scene.change({ camera: { view_blur } }, group),
     );
+    this.look = make(
+      "section",
+      {},
+      this.exposure.element,
+      labelled("Automatic", this.auto),
+      this.focus.element,
+      this.depth.element,
+    );
     this.depths = make(
       "section",
       {},
-      heading("Depth"),
+      heading("Sharpness"),
       this.budget,
-      this.focus.element,
-      this.depth.element,
       this.blur.element,
       labelled(
         "Mark what is not sharp",
@@ -224,7 +224,7 @@ export class Picture {
   #showScene() {
     const { document } = this.#scene,
       camera = placed(document?.camera);
-    for (const section of [this.light, this.depths]) section.hidden = !document;
+    for (const section of [this.look, this.light, this.depths]) section.hidden = !document;
     if (!document) return;
     this.focus.input.disabled = !camera;
     if (camera) this.#showFocus(camera);
