@@ -1,12 +1,13 @@
 // The tab Library: folders that quiltd may read, and files of this computer.
 
 import { at, button, heading, make } from "./dom.js";
-import { environmentPatch, kindOf, mainOf, tilesOf } from "./files.js";
+import { environmentPatch, kindOf, mainOf, mayName, notesOn, tilesOf } from "./files.js";
 import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
 import { Cancelled, nameOf, upload } from "./upload.js";
 import { bytesText } from "./words.js";
 
+const MOST_TEXT = 64 << 20; // bytes of files that may name others
 const WITH_THUMBNAIL = ["quilt", "image"];
 const KIND_WORDS = {
   folder: "folder",
@@ -25,6 +26,13 @@ function thumbnail({ path, kind }) {
   const image = make("img", { src, alt: "", loading: "lazy", draggable: "false" });
   image.addEventListener("error", () => image.replaceWith(sign(kind)));
   return image;
+}
+
+// The contents of the files that may name others; undefined: they are long.
+async function textsOf(files) {
+  const some = files.filter((file) => mayName(nameOf(file)));
+  if (files.length < 2 || some.reduce((sum, { size }) => sum + size, 0) > MOST_TEXT) return undefined;
+  return Promise.all(some.map(async (file) => (await file.text()).toLowerCase()));
 }
 
 export class Library {
@@ -196,16 +204,17 @@ export class Library {
     return quilt && { quilt };
   }
 
-  // Shows a file as planned. passed: {files} of an upload.
-  #use({ light, ...how }, file, passed) {
-    if (!light) return this.#load({ file, ...how, ...passed });
+  // Shows a file as planned. passed: {files} of an upload; notes: sentences for the person.
+  #use({ light, ...how }, file, passed, notes = []) {
+    if (!light) return this.#load({ file, ...how, ...passed }, notes);
     this.#scene.change(environmentPatch(this.#scene.document, file), freshGroup(), passed);
   }
 
-  #load(params) {
+  #load(params, notes) {
     return this.#rpc.call("scene.load", params).then(({ warnings }) => {
       this.#scene.forget();
-      this.#fail(warnings?.length ? { message: warnings.join(". ") } : undefined);
+      const words = [...(warnings?.length ? [`${warnings.join(". ")}.`] : []), ...notes];
+      this.#fail(words.length ? { message: words.join(" ") } : undefined);
     }, this.#fail);
   }
 
@@ -243,7 +252,8 @@ export class Library {
       const progress = this.#progress(`Sending ${main}`, () => stop.abort());
       const paths = await upload(files, progress, stop.signal);
       this.#progress(`quiltd reads ${main}`);
-      await this.#use(plan, paths[files.map(nameOf).indexOf(main)], { files: paths });
+      const notes = notesOn(files.map(nameOf), main, await textsOf(files));
+      await this.#use(plan, paths[files.map(nameOf).indexOf(main)], { files: paths }, notes);
     } catch (error) {
       if (!(error instanceof Cancelled)) this.#fail({ message: `${main}: ${error.message}.` });
     } finally {
