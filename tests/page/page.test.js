@@ -289,6 +289,8 @@ describe("the other tabs", () => {
     for (let n = 1; n <= 3; n++) {
       await add.click();
       await until(async () => (await quiltd.q.call("playlist.get")).entries.length === n);
+      const words = n === 1 ? "added, 1 entry" : `added, ${n} entries`;
+      await until(async () => (await at("#entries li").filter({ has: add }).first().textContent()).includes(words));
     }
     await tab("slideshow");
     await until(async () => (await slides()).length === 3);
@@ -345,6 +347,18 @@ describe("every visitor", () => {
         await page.emulateMedia({ colorScheme: scheme });
         assert.deepEqual(await look(width, scheme), []);
       });
+
+  step("keeps how far each tab is scrolled", async () => {
+    const place = () => at("#panels").evaluate((one) => one.scrollTop);
+    await page.setViewportSize({ width: 360, height: heights[360] });
+    await tab("picture");
+    await at("#panels").evaluate((one) => (one.scrollTop = 120));
+    await tab("health");
+    assert.equal(await place(), 0);
+    await tab("picture");
+    assert.equal(await place(), 120);
+    await at("#panels").evaluate((one) => (one.scrollTop = 0));
+  });
 
   step("can name a long file without a wider page", async () => {
     const name = `${"a_long_name_".repeat(8)}.glb`;

@@ -5,7 +5,7 @@ import { environmentPatch, kindOf, mainOf, mayName, notesOn, tilesOf } from "./f
 import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
 import { Cancelled, nameOf, upload } from "./upload.js";
-import { bytesText } from "./words.js";
+import { bytesText, count } from "./words.js";
 
 const MOST_TEXT = 64 << 20; // bytes of files that may name others
 const WITH_THUMBNAIL = ["quilt", "image"];
@@ -39,8 +39,9 @@ export class Library {
   #rpc;
   #scene;
   #fail;
-  #queue; // called with an entry: puts it into the slideshow
+  #queue; // called with an entry: puts it into the slideshow, and answers the list
   #folder = recall("folder", undefined);
+  #places = new Map(); // how far each folder is scrolled
   #known = false; // quiltd has library.list
   element = make("div");
 
@@ -90,7 +91,15 @@ export class Library {
 
   async #open(folder) {
     try {
-      this.#show(await this.#rpc.call("library.list", folder === undefined ? {} : { folder }));
+      const list = await this.#rpc.call("library.list", folder === undefined ? {} : { folder });
+      const scroller = this.element.parentElement,
+        place = scroller.scrollTop,
+        same = folder === this.#folder;
+      this.#show(list);
+      if (!this.element.hidden) {
+        if (!same) this.#places.set(this.#folder, place);
+        scroller.scrollTop = same ? place : (this.#places.get(folder) ?? 0);
+      }
       this.#folder = folder;
       remember("folder", folder);
     } catch (error) {
@@ -129,6 +138,7 @@ export class Library {
     const picture = WITH_THUMBNAIL.includes(kind) ? thumbnail(entry) : sign(kind);
     const note =
       kind === "folder" ? "folder" : `${KIND_WORDS[kind] ?? kind}, ${bytesText(bytes ?? 0)}`;
+    const about = make("span", { class: "note", "aria-live": "polite" }, note);
     const open = make(
       "button",
       {
@@ -140,25 +150,31 @@ export class Library {
       },
       picture,
       make("span", { class: "name" }, name),
-      make("span", { class: "note" }, note),
+      about,
     );
     const item = make("li", {}, open);
     if (this.slideshow && kind !== "folder" && kind !== "environment")
-      this.#makeMovable(item, open, entry);
+      this.#makeMovable(item, open, entry, about);
     return item;
   }
 
-  #makeMovable(item, open, entry) {
+  // about: where the answer to Add is told
+  #makeMovable(item, open, entry, about) {
     open.draggable = true;
     open.addEventListener("dragstart", (event) =>
       event.dataTransfer.setData("application/x-quiltd", JSON.stringify(entry)),
     );
     item.append(
-      button("Add", () => this.#queue(entry), {
+      button("Add", () => this.#add(entry, about), {
         class: "quiet add",
         "aria-label": `Add ${entry.name} to the slideshow`,
       }),
     );
+  }
+
+  async #add(entry, about) {
+    const list = await this.#queue(entry);
+    if (list) about.textContent = `added, ${count(list.entries.length, "entry", "entries")}`;
   }
 
   async #choose({ name, path, kind }) {

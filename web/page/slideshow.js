@@ -58,8 +58,9 @@ export class Slideshow {
     return known;
   }
 
+  /** @returns a promise of the list with the entry; undefined: refused */
   add({ path }) {
-    this.#set([...this.#list.entries, { file: path, seconds: USUAL_SECONDS }]);
+    return this.#set([...this.#list.entries, { file: path, seconds: USUAL_SECONDS }]);
   }
 
   #call(method, params = {}) {
@@ -67,6 +68,7 @@ export class Slideshow {
     return this.#rpc.call(method, params).then((list) => {
       this.#show(list);
       this.#fail();
+      return list;
     }, this.#fail);
   }
 

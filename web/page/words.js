@@ -1,6 +1,7 @@
 // Numbers of the daemon in words.
 
-const one = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
+/** "1 entry", "3 entries". */
+export const count = (n, noun, plural = `${noun}s`) => `${n} ${n === 1 ? noun : plural}`;
 
 const MINUTES = [1, 2, 3, 5, 10, 15, 20, 30, 45, 60];
 
@@ -41,7 +42,7 @@ function levelText(status) {
  * @param left words on the time left
  */
 export function describe(status, left) {
-  if (status.is_quilt) return `finished image · ${one(status.views, "view")}`;
+  if (status.is_quilt) return `finished image · ${count(status.views, "view")}`;
   const level = levelText(status);
   if (status.level === "none") return level;
   const words = status.state === "rendering" ? [level, left] : [status.state, level];
