@@ -279,6 +279,22 @@ describe("the other tabs", () => {
     assert.match((await download).suggestedFilename(), new RegExp(`^pyramid_qs${columns}x${rows}a0\\.75\\.png$`));
   });
 
+  step("keep the fields of an export after a reload, and cover none by its help", async () => {
+    await at("#export-kind").selectOption("print");
+    await at("#export-lpi").fill("60.5");
+    await at("#export-compress").selectOption("lzw");
+    await page.reload();
+    await settled();
+    await until(async () => (await at("#export-lpi").inputValue()) === "60.5");
+    assert.equal(await at("#export-kind").inputValue(), "print");
+    assert.equal(await at("#export-compress").inputValue(), "lzw");
+    assert.equal(await at("#export-photo").count(), 0);
+    await at("#export-marks").focus();
+    const help = await at("#side > .about:visible").boundingBox();
+    const panels = await at("#panels").boundingBox();
+    assert.ok(help.height > 20 && help.y >= panels.y + panels.height - 1);
+  });
+
   step("show the folders of quiltd, and make a slideshow of their files", async () => {
     await tab("slideshow");
     for (const name of ["Play", "Previous", "Next"])
@@ -290,7 +306,7 @@ describe("the other tabs", () => {
       await add.click();
       await until(async () => (await quiltd.q.call("playlist.get")).entries.length === n);
       const words = n === 1 ? "added, 1 entry" : `added, ${n} entries`;
-      await until(async () => (await at("#entries li").filter({ has: add }).first().textContent()).includes(words));
+      await until(async () => (await add.locator("xpath=..").textContent()).includes(words));
     }
     await tab("slideshow");
     await until(async () => (await slides()).length === 3);

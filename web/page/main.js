@@ -109,8 +109,10 @@ class Page {
       tab("health", "Health", this.health),
     ];
     at("panels").append(...tabs.map(({ panel }) => panel));
+    at("side").append(this.tree.about, this.exports.about);
     this.showTab = makeTabs(at("tabs"), tabs, (id) => {
       this.tab = id;
+      for (const { id: one, part } of tabs) if (part.about) part.about.hidden = one !== id;
       complain(); // what went wrong belongs to the tab before
       tabs.find((one) => one.id === id).part.shown?.();
     });
