@@ -46,6 +46,7 @@ export class Slideshow {
         labelled("Start again at the end", this.loop),
         this.rows,
         this.empty,
+        make("p", { class: "hint" }, "The seconds of an entry count from its first image on."),
       ),
     );
     this.accept(this.element);

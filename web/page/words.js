@@ -69,6 +69,18 @@ export function bytesText(bytes) {
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[i]}`;
 }
 
+const HARDWARE = /^(udev|udev rule|USB|displays|panels|calibrations): /;
+
+/**
+ * The findings of doctor in two lists: what is shown, and notes about hardware that a simulated panel
+ * does not need.
+ * @param kind device.kind of the status
+ */
+export function sortFindings(findings, kind) {
+  const aside = ({ level, text }) => kind === "sim" && level === "note" && HARDWARE.test(text);
+  return { shown: findings.filter((one) => !aside(one)), folded: findings.filter(aside) };
+}
+
 /** What status.depth_budget means, and what to do. @returns {text, level: "ok" | "note" | "fail"} */
 export function depthText(budget) {
   if (!budget) return { level: "note", text: "The depth of this image is unknown." };

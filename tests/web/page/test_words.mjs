@@ -8,6 +8,7 @@ import {
   duration,
   progressOf,
   secondsLeft,
+  sortFindings,
 } from "../../../web/page/words.js";
 
 test("times are round", () => {
@@ -54,6 +55,20 @@ test("progress goes from an error of 1 to the target", () => {
   assert.equal(progressOf(1e-5, 1e-4), 1);
   assert.equal(progressOf(null, 1e-4), 0);
   assert.equal(progressOf(7, 1e-4), 0);
+});
+
+test("with a simulated panel, notes about hardware are apart", () => {
+  const findings = [
+    { level: "ok", text: "daemon: idle" },
+    { level: "note", text: "udev rule: not installed" },
+    { level: "note", text: "USB: no bus" },
+    { level: "fail", text: "panels: broken" },
+    { level: "note", text: "service: not running" },
+  ];
+  const { shown, folded } = sortFindings(findings, "sim");
+  assert.deepEqual(folded, [findings[1], findings[2]]);
+  assert.deepEqual(shown, [findings[0], findings[3], findings[4]]);
+  assert.deepEqual(sortFindings(findings, "drm"), { shown: findings, folded: [] });
 });
 
 test("sizes have units", () => {
