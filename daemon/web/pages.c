@@ -35,6 +35,7 @@ static const lf_page pages[] = {
     PAGE("/main.js", JS, main_js),
     PAGE("/numbers.js", JS, numbers_js),
     PAGE("/patch.js", JS, patch_js),
+    PAGE("/patiently.js", JS, patiently_js),
     PAGE("/picture.js", JS, picture_js),
     PAGE("/remaining.js", JS, remaining_js),
     PAGE("/render.js", JS, render_js),

@@ -99,6 +99,14 @@ describe("the page", () => {
     await until(async () => (await at("#scene").textContent()) === "scene.json");
   });
 
+  step("says that a token is wrong, and takes it out of the address", async () => {
+    const other = await newPage(browser);
+    await other.page.goto(`${new URL(quiltd.url).origin}/#${"0".repeat(64)}`);
+    await other.page.getByText("This token is not valid any more. Open the URL that quiltweb printed last.").first().waitFor();
+    assert.equal(new URL(other.page.url()).hash, "");
+    await other.page.context().close();
+  });
+
   step("has less than 200 kB in all its tabs", async () => {
     for (const name of tabs()) await tab(name);
     await until(() => watch.open === 0);

@@ -2,6 +2,7 @@
 
 import { at, button, heading, make } from "./dom.js";
 import { environmentPatch, kindOf, mainOf, mayName, notesOn, tilesOf } from "./files.js";
+import { patiently } from "./patiently.js";
 import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
 import { Cancelled, nameOf, upload } from "./upload.js";
@@ -21,10 +22,24 @@ const KIND_WORDS = {
 
 const sign = (kind) => make("span", { class: "sign" }, KIND_WORDS[kind] ?? kind);
 
+// An image as a canvas; undefined: refused. The rules of the page allow no images of blobs.
+async function drawn(src) {
+  const blob = await patiently(() => fetch(src));
+  if (!blob) return undefined;
+  const bitmap = await createImageBitmap(blob);
+  const { width, height } = bitmap;
+  const canvas = make("canvas", { width, height, "aria-hidden": "true" });
+  canvas.getContext("2d").drawImage(bitmap, 0, 0);
+  return canvas;
+}
+
 function thumbnail({ path, kind }) {
   const src = `/api/thumbnail?${new URLSearchParams({ file: path, width: "160" })}`;
   const image = make("img", { src, alt: "", loading: "lazy", draggable: "false" });
-  image.addEventListener("error", () => image.replaceWith(sign(kind)));
+  image.addEventListener("error", async () => {
+    const later = await drawn(src).catch(() => undefined);
+    image.replaceWith(later ?? sign(kind));
+  });
   return image;
 }
 

@@ -20,15 +20,18 @@ const STATUS_MS = 1000;
 const rpc = new Rpc();
 globalThis.quiltd = rpc; // for the console: await quiltd.call("camera.orbit", { yaw: 15 })
 const notices = { link: "", trouble: "", scene: "", card: "" };
+const WRONG_TOKEN = "This token is not valid any more. Open the URL that quiltweb printed last.";
+let wrong = false; // the token of the URL was refused
 let dismissed = ""; // the words that a person has taken away
 
-// The token of the URL becomes a cookie, and leaves the address bar.
+// The token of the URL becomes a cookie, and leaves the address bar, also if it is refused.
 async function exchangeToken() {
   const token = location.hash.slice(1);
   if (!token) return;
   const headers = { Authorization: `Bearer ${token}` };
   const answer = await fetch("/api/login", { method: "POST", headers });
-  if (answer.ok) history.replaceState(null, "", location.pathname);
+  wrong = answer.status === 401 || answer.status === 403;
+  if (answer.ok || wrong) history.replaceState(null, "", location.pathname);
 }
 
 // Shows a notice of one kind in place of the one before; an empty text ends it.
@@ -60,7 +63,9 @@ const complain = (error) => notify("trouble", error?.message);
 async function explain(reason) {
   const answer = await fetch("/api/status").catch(() => undefined);
   const words = {
-    401: "This page has no token. Open the URL that quiltweb printed when it started.",
+    401: wrong
+      ? WRONG_TOKEN
+      : "This page has no token. Open the URL that quiltweb printed when it started.",
     503: `quiltd does not answer${reason ? ` (${reason})` : ""}. This page connects as soon as it does.`,
   };
   if (!answer) return "quiltweb has ended. This page connects when it runs again.";
@@ -204,7 +209,7 @@ class Page {
     const settings = this.render.follow(status);
     const left = this.remaining.take(status);
     const waits = this.stage.waits(status);
-    at("progress").textContent = describe(status, left);
+    at("progress").textContent = describe(status, left, waits);
     at("scene").textContent = `${waits ? "loading " : ""}${fileName(status.scene)}`;
     at("scene").title = status.scene ?? "";
     at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));

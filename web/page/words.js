@@ -40,8 +40,10 @@ function levelText(status) {
  * A line on how far the image is.
  * @param status result of the method status
  * @param left words on the time left
+ * @param waits the picture is still that of another scene
  */
-export function describe(status, left) {
+export function describe(status, left, waits) {
+  if (status.is_quilt && waits) return "waiting for the first image";
   if (status.is_quilt) return `finished image · ${count(status.views, "view")}`;
   const level = levelText(status);
   if (status.level === "none") return level;

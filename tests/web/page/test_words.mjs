@@ -47,6 +47,7 @@ test("a line says what is waited for", () => {
   assert.match(describe({ ...status, level: "complete", load }), /^loading next\.obj/);
   assert.match(describe({ ...status, level: "complete", load: { kind: "orbit", file: null } }), /^complete/);
   assert.equal(describe({ is_quilt: true, views: 1 }), "finished image · 1 view");
+  assert.equal(describe({ is_quilt: true, views: 1 }, "", true), "waiting for the first image");
 });
 
 test("progress goes from an error of 1 to the target", () => {
