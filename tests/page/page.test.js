@@ -99,6 +99,14 @@ describe("the page", () => {
     await until(async () => (await at("#scene").textContent()) === "scene.json");
   });
 
+  step("says that a token is wrong, and takes it out of the address", async () => {
+    const other = await newPage(browser);
+    await other.page.goto(`${new URL(quiltd.url).origin}/#${"0".repeat(64)}`);
+    await other.page.getByText("This token is not valid any more. Open the URL that quiltweb printed last.").first().waitFor();
+    assert.equal(new URL(other.page.url()).hash, "");
+    await other.page.context().close();
+  });
+
   step("has less than 200 kB in all its tabs", async () => {
     for (const name of tabs()) await tab(name);
     await until(() => watch.open === 0);
@@ -251,6 +259,13 @@ describe("files of the person", () => {
     assert.equal(await notice(), "");
     assert.equal((await quiltd.q.status()).scene, scene);
   });
+
+  step("leave no error behind when the tab changes", async () => {
+    await drop([{ name: "letter.docx", data: Buffer.from("text") }]);
+    await until(async () => /letter\.docx/.test(await notice()));
+    await tab("picture");
+    assert.equal(await notice(), "");
+  });
 });
 
 describe("the other tabs", () => {
@@ -272,13 +287,34 @@ describe("the other tabs", () => {
     assert.match((await download).suggestedFilename(), new RegExp(`^pyramid_qs${columns}x${rows}a0\\.75\\.png$`));
   });
 
+  step("keep the fields of an export after a reload, and cover none by its help", async () => {
+    await at("#export-kind").selectOption("print");
+    await at("#export-lpi").fill("60.5");
+    await at("#export-compress").selectOption("lzw");
+    await page.reload();
+    await settled();
+    await until(async () => (await at("#export-lpi").inputValue()) === "60.5");
+    assert.equal(await at("#export-kind").inputValue(), "print");
+    assert.equal(await at("#export-compress").inputValue(), "lzw");
+    assert.equal(await at("#export-photo").count(), 0);
+    await at("#export-marks").focus();
+    const help = await at("#side > .about:visible").boundingBox();
+    const panels = await at("#panels").boundingBox();
+    assert.ok(help.height > 20 && help.y >= panels.y + panels.height - 1);
+  });
+
   step("show the folders of quiltd, and make a slideshow of their files", async () => {
+    await tab("slideshow");
+    for (const name of ["Play", "Previous", "Next"])
+      assert.equal(await at("#panel-slideshow").getByRole("button", { name, exact: true }).isEnabled(), false);
     await tab("library");
     await at('#entries [data-kind="folder"]').first().click();
     const add = at("#entries .add").first();
     for (let n = 1; n <= 3; n++) {
       await add.click();
       await until(async () => (await quiltd.q.call("playlist.get")).entries.length === n);
+      const words = n === 1 ? "added, 1 entry" : `added, ${n} entries`;
+      await until(async () => (await add.locator("xpath=..").textContent()).includes(words));
     }
     await tab("slideshow");
     await until(async () => (await slides()).length === 3);
@@ -335,6 +371,50 @@ describe("every visitor", () => {
         await page.emulateMedia({ colorScheme: scheme });
         assert.deepEqual(await look(width, scheme), []);
       });
+
+  step("keeps how far each tab is scrolled", async () => {
+    const place = () => at("#panels").evaluate((one) => one.scrollTop);
+    await page.setViewportSize({ width: 360, height: heights[360] });
+    await tab("picture");
+    await at("#panels").evaluate((one) => (one.scrollTop = 120));
+    await tab("health");
+    assert.equal(await place(), 0);
+    await tab("picture");
+    assert.equal(await place(), 120);
+    await at("#panels").evaluate((one) => (one.scrollTop = 0));
+  });
+
+  step("can name a long file without a wider page", async () => {
+    const name = `${"a_long_name_".repeat(8)}.glb`;
+    await page.setViewportSize({ width: 360, height: heights[360] });
+    await drop([{ name, data: makePyramid([0.2, 0.2, 0.7]) }]);
+    await until(async () => (await at("#scene").textContent()).endsWith(name));
+    await drop([{ name: name.replace("glb", "docx"), data: Buffer.from("text") }]);
+    await until(async () => (await notice()).includes(".docx"));
+    const right = await at("#dismiss").evaluate((one) => one.getBoundingClientRect().right);
+    assert.ok(right <= 360, `the cross of the error ends at ${right}`);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
+    await at("#dismiss").click();
+  });
+
+  step("keeps a large part of a phone for the picture", async () => {
+    await tab("picture");
+    for (const [size, share] of [["half", 0.4], ["tall", 0.25]]) {
+      await until(async () => {
+        if ((await at("#side").getAttribute("data-size")) === size) return true;
+        await at("#sheet").press("Enter");
+      });
+      const [stage, controls, side] = await Promise.all(["#stage", "#controls", "#side"].map((one) => at(one).boundingBox()));
+      assert.ok(stage.height >= share * heights[360] - 1, `${size}: ${stage.height}`);
+      assert.ok(controls.y + controls.height <= side.y, `${size}: the sheet covers the controls`);
+      assert.ok(side.y + side.height <= heights[360] + 1, `${size}: the sheet ends at ${side.y + side.height}`);
+    }
+    const fold = heights[360];
+    for (const id of ["exposure", "focus", "depth"]) {
+      const { y, height } = await at(`#${id}`).boundingBox();
+      assert.ok(y + height <= fold, `${id} ends at ${y + height}`);
+    }
+  });
 
   step("has a page of 2560 pixels", async () => {
     await page.setViewportSize({ width: 2560, height: heights[2560] });

@@ -1,9 +1,11 @@
 // The tab Export: what to write, its options, and the jobs with their downloads.
 
 import { button, explain, fill, heading, labelled, make, select } from "./dom.js";
-import { EXPORTS, kindsOf, nameFor, parametersOf, valueOf } from "./exports.js";
+import { EXPORTS, kindsOf, LABELS, nameFor, parametersOf, valueOf } from "./exports.js";
 import { recall, remember } from "./store.js";
 import { bytesText } from "./words.js";
+
+const MOST_NOTES = 5; // of a job
 
 // A field for a parameter of the schema; a default stands in it as a placeholder.
 function fieldFor(key, schema) {
@@ -31,10 +33,12 @@ function fieldFor(key, schema) {
 export class ExportForm {
   #rpc;
   #fail;
+  #photo = false; // a finished image is shown
   #status = {};
   #parameters = {};
   #fields = new Map();
-  #jobs = new Map(); // number: {element, bar, text, cancel}
+  #kept = recall("exports", {}); // what was chosen, by kind and field
+  #jobs = new Map(); // number: {element, bar, text, cancel, notes}
   element = make("div");
 
   constructor({ rpc, fail }) {
@@ -69,10 +73,11 @@ export class ExportForm {
         this.start,
       ),
       make("section", {}, heading("Jobs"), this.jobs),
-      this.about,
     );
+    this.element.addEventListener("change", () => this.#keep());
     explain(this.options, this.about);
     rpc.addEventListener("export", ({ detail }) => this.#follow(detail));
+    rpc.addEventListener("log", ({ detail }) => this.#hear(detail));
     rpc.addEventListener("download", ({ detail }) => this.#download(detail));
   }
 
@@ -92,6 +97,31 @@ export class ExportForm {
 
   status(status) {
     this.#status = status;
+    const photo = Boolean(status.is_quilt);
+    if (photo === this.#photo) return;
+    this.#photo = photo;
+    if (this.kind.value) this.#showKind();
+  }
+
+  // A reload finds all fields as they were.
+  #keep() {
+    const values = { ending: this.ending.value };
+    for (const [key, { field }] of this.#fields)
+      values[key] = field.type === "checkbox" ? field.checked : field.value;
+    this.#kept = { ...this.#kept, wait: this.wait.value, [this.kind.value]: values };
+    remember("exports", this.#kept);
+  }
+
+  #recall() {
+    const kept = this.#kept[this.kind.value] ?? {};
+    const fields = [...this.#fields].map(([key, { field }]) => [key, field]);
+    for (const [key, field] of [["ending", this.ending], ...fields]) {
+      const value = kept[key];
+      if (typeof value === "boolean") field.checked = value;
+      else if (value !== undefined && (!field.options || [...field.options].some((one) => one.value === value)))
+        field.value = value;
+    }
+    this.wait.value = this.#kept.wait ?? "coarse";
   }
 
   #showKind() {
@@ -106,11 +136,11 @@ export class ExportForm {
     );
     this.ending.parentElement.hidden = endings.length < 2;
     this.#fields.clear();
-    const lines = parametersOf(kind, this.#parameters).map(([key, schema, needed]) => {
+    const lines = parametersOf(kind, this.#parameters, this.#photo).map(([key, schema, needed]) => {
       const field = fieldFor(key, schema);
       this.#fields.set(key, { field, schema, needed });
       const line = labelled(
-        key.replaceAll("_", " "),
+        LABELS[key],
         field,
         make("span", { class: "unit" }, schema.unit ?? ""),
       );
@@ -119,9 +149,11 @@ export class ExportForm {
       return line;
     });
     this.options.replaceChildren(...lines);
+    this.#recall();
   }
 
   #start() {
+    this.#fail();
     const kind = this.kind.value;
     const params = {
       kind,
@@ -133,9 +165,9 @@ export class ExportForm {
       if (needed && value === undefined) return field.focus();
       if (value !== undefined && value !== schema.default) params[key] = value;
     }
-    this.#rpc.call("export", params).then(({ job, file }) => {
+    this.#rpc.call("export", params).then(({ job, file, warnings = [] }) => {
       this.#job(job, file);
-      this.#fail();
+      for (const text of warnings) this.#note(job, text);
     }, this.#fail);
   }
 
@@ -146,6 +178,7 @@ export class ExportForm {
       const cancel = button("Cancel", () =>
         this.#rpc.call("job.cancel", { job }).catch(this.#fail),
       );
+      const notes = make("ul");
       const element = make(
         "li",
         { "data-job": job },
@@ -153,8 +186,9 @@ export class ExportForm {
         bar,
         text,
         cancel,
+        notes,
       );
-      this.#jobs.set(job, { element, bar, text, cancel });
+      this.#jobs.set(job, { element, bar, text, cancel, notes });
       this.jobs.prepend(element);
     }
     return this.#jobs.get(job);
@@ -165,6 +199,19 @@ export class ExportForm {
     bar.value = progress ?? 0;
     text.textContent = state === "failed" ? (error?.message ?? "failed") : state;
     cancel.hidden = bar.hidden = state !== "running" && state !== "waiting";
+  }
+
+  #note(job, text) {
+    const { notes } = this.#jobs.get(job);
+    const said = [...notes.children].map((one) => one.textContent);
+    if (said.length < MOST_NOTES && !said.includes(text))
+      notes.append(make("li", { class: "finding", "data-level": "note" }, text));
+  }
+
+  // What is logged while a job runs may be about it.
+  #hear({ level, text }) {
+    if (level !== "warning") return;
+    for (const [job, { cancel }] of this.#jobs) if (!cancel.hidden) this.#note(job, text);
   }
 
   // The links stay; the first file of a job is fetched at once.

@@ -58,17 +58,51 @@ export const EXPORTS = {
   },
 };
 
+/** What a parameter is called on the page. */
+export const LABELS = {
+  bits: "Bits per channel",
+  bleed: "Bleed",
+  compress: "Compression",
+  denoise: "Denoise",
+  depth_inversion: "Near is black",
+  dpi: "Printer resolution",
+  far: "Farthest depth",
+  filter: "Filter",
+  gamma: "Response of the panel",
+  height: "Height",
+  invert: "Reverse the views",
+  lpi: "Pitch of the lenses",
+  marks: "Register marks",
+  mirror: "Mirror",
+  near: "Nearest depth",
+  of: "Views",
+  orientation: "Direction of lenses",
+  phase: "Shift of the lenses",
+  photo: "Photo",
+  photo_position: "Place of the photo",
+  range: "Range of pitches",
+  reverse: "Reverse the views",
+  side: "Side of the depth",
+  step: "Step of pitches",
+  stripes: "Stripes",
+  views: "Views under a lens",
+  white: "White of the panel",
+  white_x: "White, CIE x",
+  white_y: "White, CIE y",
+  width: "Width",
+};
+
 /** The kinds that the daemon knows too, in this order. */
 export function kindsOf(parameters) {
   const known = parameters?.kind?.enum ?? [];
   return Object.keys(EXPORTS).filter((kind) => known.includes(kind));
 }
 
-/** The parameters of a kind that the daemon knows: [name, schema, needed]. */
-export function parametersOf(kind, parameters) {
+/** The parameters of a kind that the daemon knows: [name, schema, needed]. @param photo one is shown */
+export function parametersOf(kind, parameters, photo = false) {
   const { needed = [], keys } = EXPORTS[kind];
   return [...needed, ...keys]
-    .filter((key) => parameters[key])
+    .filter((key) => parameters[key] && (photo || !PHOTO.includes(key)))
     .map((key) => [key, parameters[key], needed.includes(key)]);
 }
 

@@ -22,6 +22,42 @@ export function mainOf(names) {
   return names.filter(kindOf).sort((a, b) => rank(a) - rank(b))[0];
 }
 
+const NAMING = /\.(glb|gltf|obj|mtl|ply|3ds|json)$/i;
+const NAMED = /\.(png|jpe?g|tga|bmp|webp|hdr|exr|mtl|bin)$/i;
+
+/** Whether a file of this name may name others in its text. */
+export const mayName = (name) => NAMING.test(name);
+
+// Of these, quiltd shows one at a time.
+const ALIKE = [
+  ["model", "volume"],
+  ["quilt", "image", "environment"],
+];
+
+/**
+ * What a person should know about files that are sent together.
+ * @param main the one that is shown
+ * @param texts contents, in lower case, of those that mayName says; undefined: not known
+ * @returns sentences
+ */
+export function notesOn(names, main, texts) {
+  const notes = [];
+  const kinds = ALIKE.find((some) => some.includes(kindOf(main))) ?? [];
+  const alike = names.filter((name) => kinds.includes(kindOf(name)));
+  if (alike.length > 1)
+    notes.push(`Of ${alike.length} files only ${main} is shown.`);
+  if (texts && ["model", "scene"].includes(kindOf(main)))
+    for (const name of names.filter((one) => one !== main && isLost(one, texts)))
+      notes.push(`${name} is not used: no other file names it.`);
+  return notes;
+}
+
+function isLost(path, texts) {
+  const name = path.split("/").pop().toLowerCase();
+  const said = [name, encodeURI(name).toLowerCase()];
+  return NAMED.test(name) && !texts.some((text) => said.some((one) => text.includes(one)));
+}
+
 /** "8 x 6", "8x6" or "8 6" as "8x6"; undefined: neither. */
 export function tilesOf(text) {
   const [, columns, rows] = /^\s*(\d{1,3})\s*[x×* ]\s*(\d{1,3})\s*$/i.exec(text) ?? [];

@@ -1,6 +1,7 @@
 // The tab Health: what doctor finds, the panel, and what was logged.
 
 import { button, heading, make } from "./dom.js";
+import { count, sortFindings } from "./words.js";
 
 const MOST_LINES = 200;
 const LEVELS = { ok: "fine", note: "note", fail: "wrong" };
@@ -19,6 +20,8 @@ export class Health {
   #rpc;
   #fail;
   #methods = {};
+  #found = []; // of doctor
+  #kind; // of the device
   element = make("div");
 
   constructor({ rpc, fail }) {
@@ -29,11 +32,15 @@ export class Health {
     this.warnings = make("ul", { id: "warnings", class: "findings" });
     this.findings = make("ul", { id: "findings", class: "findings" });
     this.lines = make("ol", { id: "log", class: "log", tabindex: "0", "aria-label": "Log" });
+    this.summary = make("summary");
+    this.aside = make("ul", { class: "findings" });
+    this.folded = make("details", { id: "hardware", hidden: true }, this.summary, this.aside);
     this.doctor = make(
       "section",
       { hidden: true },
       heading("Check"),
       this.findings,
+      this.folded,
       button("Check again", () => this.shown()),
     );
     this.log = make("section", { hidden: true }, heading("Log"), this.lines);
@@ -71,13 +78,22 @@ export class Health {
   }
 
   shown() {
+    this.#fail();
     if (this.#methods.doctor)
       this.#rpc
         .call("doctor")
-        .then(
-          ({ findings }) => this.findings.replaceChildren(...findings.map(finding)),
-          this.#fail,
-        );
+        .then(({ findings }) => {
+          this.#found = findings;
+          this.#showFindings();
+        }, this.#fail);
+  }
+
+  #showFindings() {
+    const { shown, folded } = sortFindings(this.#found, this.#kind);
+    this.findings.replaceChildren(...shown.map(finding));
+    this.aside.replaceChildren(...folded.map(finding));
+    this.summary.textContent = `${count(folded.length, "note")} about hardware`;
+    this.folded.hidden = folded.length === 0;
   }
 
   #add(lines) {
@@ -89,8 +105,12 @@ export class Health {
   }
 
   status({ device = {}, warnings = [], error, landlock }) {
+    if (this.#kind !== device.kind) {
+      this.#kind = device.kind;
+      this.#showFindings();
+    }
     const rows = [
-      ["Panel", device.present ? device.model || device.kind : "none"],
+      ["Model", device.present ? device.model || device.kind : "none"],
       ["Serial", device.serial],
       ["Calibration", device.calibration_from],
       ["Output", device.output],

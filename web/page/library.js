@@ -1,12 +1,14 @@
 // The tab Library: folders that quiltd may read, and files of this computer.
 
 import { at, button, heading, make } from "./dom.js";
-import { environmentPatch, kindOf, mainOf, tilesOf } from "./files.js";
+import { environmentPatch, kindOf, mainOf, mayName, notesOn, tilesOf } from "./files.js";
+import { patiently } from "./patiently.js";
 import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
 import { Cancelled, nameOf, upload } from "./upload.js";
-import { bytesText } from "./words.js";
+import { bytesText, count } from "./words.js";
 
+const MOST_TEXT = 64 << 20; // bytes of files that may name others
 const WITH_THUMBNAIL = ["quilt", "image"];
 const KIND_WORDS = {
   folder: "folder",
@@ -20,19 +22,41 @@ const KIND_WORDS = {
 
 const sign = (kind) => make("span", { class: "sign" }, KIND_WORDS[kind] ?? kind);
 
+// An image as a canvas; undefined: refused. The rules of the page allow no images of blobs.
+async function drawn(src) {
+  const blob = await patiently(() => fetch(src));
+  if (!blob) return undefined;
+  const bitmap = await createImageBitmap(blob);
+  const { width, height } = bitmap;
+  const canvas = make("canvas", { width, height, "aria-hidden": "true" });
+  canvas.getContext("2d").drawImage(bitmap, 0, 0);
+  return canvas;
+}
+
 function thumbnail({ path, kind }) {
   const src = `/api/thumbnail?${new URLSearchParams({ file: path, width: "160" })}`;
   const image = make("img", { src, alt: "", loading: "lazy", draggable: "false" });
-  image.addEventListener("error", () => image.replaceWith(sign(kind)));
+  image.addEventListener("error", async () => {
+    const later = await drawn(src).catch(() => undefined);
+    image.replaceWith(later ?? sign(kind));
+  });
   return image;
+}
+
+// The contents of the files that may name others; undefined: they are long.
+async function textsOf(files) {
+  const some = files.filter((file) => mayName(nameOf(file)));
+  if (files.length < 2 || some.reduce((sum, { size }) => sum + size, 0) > MOST_TEXT) return undefined;
+  return Promise.all(some.map(async (file) => (await file.text()).toLowerCase()));
 }
 
 export class Library {
   #rpc;
   #scene;
   #fail;
-  #queue; // called with an entry: puts it into the slideshow
+  #queue; // called with an entry: puts it into the slideshow, and answers the list
   #folder = recall("folder", undefined);
+  #places = new Map(); // how far each folder is scrolled
   #known = false; // quiltd has library.list
   element = make("div");
 
@@ -82,7 +106,15 @@ export class Library {
 
   async #open(folder) {
     try {
-      this.#show(await this.#rpc.call("library.list", folder === undefined ? {} : { folder }));
+      const list = await this.#rpc.call("library.list", folder === undefined ? {} : { folder });
+      const scroller = this.element.parentElement,
+        place = scroller.scrollTop,
+        same = folder === this.#folder;
+      this.#show(list);
+      if (!this.element.hidden) {
+        if (!same) this.#places.set(this.#folder, place);
+        scroller.scrollTop = same ? place : (this.#places.get(folder) ?? 0);
+      }
       this.#folder = folder;
       remember("folder", folder);
     } catch (error) {
@@ -121,6 +153,7 @@ export class Library {
     const picture = WITH_THUMBNAIL.includes(kind) ? thumbnail(entry) : sign(kind);
     const note =
       kind === "folder" ? "folder" : `${KIND_WORDS[kind] ?? kind}, ${bytesText(bytes ?? 0)}`;
+    const about = make("span", { class: "note", "aria-live": "polite" }, note);
     const open = make(
       "button",
       {
@@ -132,29 +165,36 @@ export class Library {
       },
       picture,
       make("span", { class: "name" }, name),
-      make("span", { class: "note" }, note),
+      about,
     );
     const item = make("li", {}, open);
     if (this.slideshow && kind !== "folder" && kind !== "environment")
-      this.#makeMovable(item, open, entry);
+      this.#makeMovable(item, open, entry, about);
     return item;
   }
 
-  #makeMovable(item, open, entry) {
+  // about: where the answer to Add is told
+  #makeMovable(item, open, entry, about) {
     open.draggable = true;
     open.addEventListener("dragstart", (event) =>
       event.dataTransfer.setData("application/x-quiltd", JSON.stringify(entry)),
     );
     item.append(
-      button("Add", () => this.#queue(entry), {
+      button("Add", () => this.#add(entry, about), {
         class: "quiet add",
         "aria-label": `Add ${entry.name} to the slideshow`,
       }),
     );
   }
 
+  async #add(entry, about) {
+    const list = await this.#queue(entry);
+    if (list) about.textContent = `added, ${count(list.entries.length, "entry", "entries")}`;
+  }
+
   async #choose({ name, path, kind }) {
     if (kind === "folder") return this.#open(path);
+    this.#fail();
     const plan = await this.#plan(name, kind);
     if (plan) await this.#use(plan, path, {});
   }
@@ -195,16 +235,17 @@ export class Library {
     return quilt && { quilt };
   }
 
-  // Shows a file as planned. passed: {files} of an upload.
-  #use({ light, ...how }, file, passed) {
-    if (!light) return this.#load({ file, ...how, ...passed });
+  // Shows a file as planned. passed: {files} of an upload; notes: sentences for the person.
+  #use({ light, ...how }, file, passed, notes = []) {
+    if (!light) return this.#load({ file, ...how, ...passed }, notes);
     this.#scene.change(environmentPatch(this.#scene.document, file), freshGroup(), passed);
   }
 
-  #load(params) {
+  #load(params, notes) {
     return this.#rpc.call("scene.load", params).then(({ warnings }) => {
       this.#scene.forget();
-      this.#fail(warnings?.length ? { message: warnings.join(". ") } : undefined);
+      const words = [...(warnings?.length ? [`${warnings.join(". ")}.`] : []), ...notes];
+      this.#fail(words.length ? { message: words.join(" ") } : undefined);
     }, this.#fail);
   }
 
@@ -229,6 +270,7 @@ export class Library {
   async take(files) {
     this.picker.value = "";
     if (!files.length) return;
+    this.#fail();
     const main = mainOf(files.map(nameOf));
     if (!main)
       return this.#fail({
@@ -241,7 +283,8 @@ export class Library {
       const progress = this.#progress(`Sending ${main}`, () => stop.abort());
       const paths = await upload(files, progress, stop.signal);
       this.#progress(`quiltd reads ${main}`);
-      await this.#use(plan, paths[files.map(nameOf).indexOf(main)], { files: paths });
+      const notes = notesOn(files.map(nameOf), main, await textsOf(files));
+      await this.#use(plan, paths[files.map(nameOf).indexOf(main)], { files: paths }, notes);
     } catch (error) {
       if (!(error instanceof Cancelled)) this.#fail({ message: `${main}: ${error.message}.` });
     } finally {

@@ -3,9 +3,10 @@
 import { at } from "./dom.js";
 import { ExportForm } from "./export_form.js";
 import { Health } from "./health.js";
-import { latest } from "./latest.js";
 import { Library } from "./library.js";
 import { Picture } from "./picture.js";
+import { Remaining } from "./remaining.js";
+import { Render } from "./render.js";
 import { Rpc } from "./rpc.js";
 import { Scene } from "./scene.js";
 import { SceneTab } from "./scene_tab.js";
@@ -13,21 +14,24 @@ import { Slideshow } from "./slideshow.js";
 import { acceptFiles, makeSheet, Stage } from "./stage.js";
 import { makeTabs } from "./tabs.js";
 import { filesOf } from "./upload.js";
-import { timeLeft } from "./words.js";
+import { describe, fileName } from "./words.js";
 
 const STATUS_MS = 1000;
 const rpc = new Rpc();
 globalThis.quiltd = rpc; // for the console: await quiltd.call("camera.orbit", { yaw: 15 })
 const notices = { link: "", trouble: "", scene: "", card: "" };
+const WRONG_TOKEN = "This token is not valid any more. Open the URL that quiltweb printed last.";
+let wrong = false; // the token of the URL was refused
 let dismissed = ""; // the words that a person has taken away
 
-// The token of the URL becomes a cookie, and leaves the address bar.
+// The token of the URL becomes a cookie, and leaves the address bar, also if it is refused.
 async function exchangeToken() {
   const token = location.hash.slice(1);
   if (!token) return;
   const headers = { Authorization: `Bearer ${token}` };
   const answer = await fetch("/api/login", { method: "POST", headers });
-  if (answer.ok) history.replaceState(null, "", location.pathname);
+  wrong = answer.status === 401 || answer.status === 403;
+  if (answer.ok || wrong) history.replaceState(null, "", location.pathname);
 }
 
 // Shows a notice of one kind in place of the one before; an empty text ends it.
@@ -59,31 +63,27 @@ const complain = (error) => notify("trouble", error?.message);
 async function explain(reason) {
   const answer = await fetch("/api/status").catch(() => undefined);
   const words = {
-    401: "This page has no token. Open the URL that quiltweb printed when it started.",
+    401: wrong
+      ? WRONG_TOKEN
+      : "This page has no token. Open the URL that quiltweb printed when it started.",
     503: `quiltd does not answer${reason ? ` (${reason})` : ""}. This page connects as soon as it does.`,
   };
   if (!answer) return "quiltweb has ended. This page connects when it runs again.";
   return words[answer.status] ?? "";
 }
 
-function describe(status) {
-  if (status.is_quilt)
-    return `finished image · ${status.views} ${status.views === 1 ? "view" : "views"}`;
-  const level = status.level === "none" ? "no image yet" : status.level;
-  const words = status.state === "rendering" ? [level, timeLeft(status)] : [status.state, level];
-  if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
-  return [...new Set(words.filter(Boolean))].join(" · ");
-}
-
 class Page {
   constructor() {
+    const scene = new Scene(rpc, complain);
     const context = {
       rpc,
       fail: complain,
-      scene: new Scene(rpc, complain),
+      scene,
+      render: new Render(rpc, scene, complain),
       queue: (entry) => this.slideshow.add(entry),
     };
     this.scene = context.scene;
+    this.render = context.render;
     this.stage = new Stage(context);
     this.picture = new Picture(context);
     this.library = new Library(context);
@@ -98,6 +98,7 @@ class Page {
       this.showTab("library");
       this.library.take(files);
     });
+    this.remaining = new Remaining();
     this.#follow();
   }
 
@@ -113,8 +114,11 @@ class Page {
       tab("health", "Health", this.health),
     ];
     at("panels").append(...tabs.map(({ panel }) => panel));
+    at("side").append(this.tree.about, this.exports.about);
     this.showTab = makeTabs(at("tabs"), tabs, (id) => {
       this.tab = id;
+      for (const { id: one, part } of tabs) if (part.about) part.about.hidden = one !== id;
+      complain(); // what went wrong belongs to the tab before
       tabs.find((one) => one.id === id).part.shown?.();
     });
     at("tabs").addEventListener("click", raise);
@@ -126,13 +130,10 @@ class Page {
       this.scene.cameraMoves();
       rpc.call("camera.fit").then(() => complain(), complain);
     });
-    const pause = latest((params) =>
-      rpc.call("render.set", params).then(() => complain(), complain),
-    );
     at("pause").addEventListener("click", ({ currentTarget }) => {
       const paused = currentTarget.getAttribute("aria-pressed") !== "true";
       currentTarget.setAttribute("aria-pressed", String(paused));
-      pause({ paused });
+      this.render.set({ paused });
     });
     at("undo").addEventListener("click", () => this.scene.undo());
     at("redo").addEventListener("click", () => this.scene.redo());
@@ -205,13 +206,17 @@ class Page {
   }
 
   #status(status) {
-    at("progress").textContent = describe(status);
-    at("scene").textContent = status.scene?.split("/").pop() ?? "";
+    const settings = this.render.follow(status);
+    const left = this.remaining.take(status);
+    const waits = this.stage.waits(status);
+    at("progress").textContent = describe(status, left, waits);
+    at("scene").textContent = `${waits ? "loading " : ""}${fileName(status.scene)}`;
     at("scene").title = status.scene ?? "";
-    at("pause").setAttribute("aria-pressed", String(Boolean(status.paused)));
+    at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
     notify("scene", status.error?.message);
-    for (const part of [this.stage, this.picture, this.exports, this.health]) part.status(status);
+    for (const part of [this.stage, this.picture, this.exports, this.health])
+      part.status(status, settings, left);
   }
 }
 

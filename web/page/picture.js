@@ -1,11 +1,10 @@
 // The tab Picture: how good the image is, how it is rendered, and its depth.
 
 import { fill, heading, labelled, make, select } from "./dom.js";
-import { latest } from "./latest.js";
 import { format } from "./numbers.js";
 import { distanceOf, placed, targetAt } from "./rig.js";
 import { freshGroup } from "./scrub.js";
-import { depthText, errorText, progressOf, timeLeft } from "./words.js";
+import { depthText, errorText, progressOf } from "./words.js";
 
 const REST_MS = 600;
 const KEYS = [
@@ -66,9 +65,9 @@ export class Picture {
   #render;
   element = make("div");
 
-  constructor({ rpc, scene, fail }) {
+  constructor({ scene, render }) {
     this.#scene = scene;
-    this.#render = latest((params) => rpc.call("render.set", params).then(() => fail(), fail));
+    this.#render = render;
     this.#make();
     scene.addEventListener("change", () => this.#showScene());
   }
@@ -88,7 +87,6 @@ export class Picture {
       words.map((word) => [word]),
     );
     list.parentElement.hidden = words.length === 0;
-    this.status(this.#status);
   }
 
   #make() {
@@ -100,7 +98,7 @@ export class Picture {
       { id: "target" },
     );
     this.target.addEventListener("change", () =>
-      this.#render({ target_error: Number(this.target.value) }),
+      this.#render.set({ target_error: Number(this.target.value) }),
     );
     this.#makeLight();
     this.#makeDepth();
@@ -110,6 +108,9 @@ export class Picture {
       ...KEYS.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]),
     );
     this.element.append(
+      this.look,
+      this.light,
+      this.depths,
       make(
         "section",
         {},
@@ -122,8 +123,6 @@ export class Picture {
         labelled("Estimator", this.estimator),
         labelled("Integrator", this.integrator),
       ),
-      this.light,
-      this.depths,
       make("details", { id: "keys" }, make("summary", {}, "Mouse, touch and keys"), keys),
     );
   }
@@ -131,15 +130,15 @@ export class Picture {
   #makeLight() {
     this.auto = make("input", { type: "checkbox", id: "exposure-auto" });
     this.auto.addEventListener("change", () =>
-      this.#render({ exposure: this.auto.checked ? "auto" : (this.#status.exposure?.stops ?? 0) }),
+      this.#render.set({ exposure: this.auto.checked ? "auto" : Number(this.exposure.input.value) }),
     );
     const range = { id: "exposure", min: "-8", max: "8", step: "0.125" };
     this.exposure = slider(
       "Exposure",
       range,
-      (stops) => {
+      (stops, group) => {
         this.auto.checked = false;
-        this.#render({ exposure: stops });
+        this.#render.set({ exposure: stops }, group);
       },
       (stops) => `${stops > 0 ? "+" : ""}${format(stops)}`,
     );
@@ -162,29 +161,22 @@ export class Picture {
       ],
       { id: "denoise" },
     );
-    this.denoise.addEventListener("change", () => this.#render({ denoise: this.denoise.value }));
+    this.denoise.addEventListener("change", () => this.#render.set({ denoise: this.denoise.value }));
     this.estimator = select([], { id: "estimator" });
     this.estimator.addEventListener("change", () =>
-      this.#render({ estimator: this.estimator.value }),
+      this.#render.set({ estimator: this.estimator.value }),
     );
     this.integrator = select([], { id: "integrator" });
     this.integrator.addEventListener("change", () =>
-      this.#render({ integrator: this.integrator.value }),
+      this.#render.set({ integrator: this.integrator.value }),
     );
-    this.light = make(
-      "section",
-      {},
-      heading("Light"),
-      this.exposure.element,
-      labelled("Automatic", this.auto),
-      labelled("Tone", this.tone),
-    );
+    this.light = make("section", {}, heading("Light"), labelled("Tone", this.tone));
   }
 
   #makeDepth() {
     this.budget = make("p", { id: "budget", class: "finding" });
     this.guides = make("input", { type: "checkbox", id: "guides" });
-    this.guides.addEventListener("change", () => this.#render({ guides: this.guides.checked }));
+    this.guides.addEventListener("change", () => this.#render.set({ guides: this.guides.checked }));
     this.focus = slider(
       "Focus",
       { id: "focus", min: "-1", max: "1", step: "any" },
@@ -201,13 +193,19 @@ export class Picture {
       { id: "blur", min: "0", max: "4", step: "0.05" },
       (view_blur, group) => this.#scene.change({ camera: { view_blur } }, group),
     );
+    this.look = make(
+      "section",
+      {},
+      this.exposure.element,
+      labelled("Automatic", this.auto),
+      this.focus.element,
+      this.depth.element,
+    );
     this.depths = make(
       "section",
       {},
-      heading("Depth"),
+      heading("Sharpness"),
       this.budget,
-      this.focus.element,
-      this.depth.element,
       this.blur.element,
       labelled(
         "Mark what is not sharp",
@@ -226,7 +224,7 @@ export class Picture {
   #showScene() {
     const { document } = this.#scene,
       camera = placed(document?.camera);
-    for (const section of [this.light, this.depths]) section.hidden = !document;
+    for (const section of [this.look, this.light, this.depths]) section.hidden = !document;
     if (!document) return;
     this.focus.input.disabled = !camera;
     if (camera) this.#showFocus(camera);
@@ -252,28 +250,34 @@ export class Picture {
     this.focus.set(Math.log(now));
   }
 
-  status(status) {
+  /** @param settings see Render.follow; left: words on the time left */
+  status(status, settings, left) {
     this.#status = status;
     this.unfiltered.set(status.error_estimate, status.target_error);
     this.denoised.set(status.denoised_error, status.target_error);
-    this.left.textContent = timeLeft(status);
-    this.#showTarget(status.target_error);
+    this.left.textContent = left;
+    this.#showSettings(settings);
     const { text, level } = depthText(status.depth_budget);
     this.budget.textContent = text;
     this.budget.dataset.level = level;
-    if (document.activeElement !== this.guides) this.guides.checked = Boolean(status.guides);
-    for (const key of ["estimator", "integrator", "denoise"])
-      if (status[key] && document.activeElement !== this[key]) this[key].value = status[key];
-    if (status.exposure) {
-      this.auto.checked = status.exposure.auto;
-      this.exposure.set(status.exposure.stops);
-    }
     this.#showScene();
+  }
+
+  // Automatic exposure: the slider shows what was measured.
+  #showSettings(settings) {
+    this.#showTarget(settings.target_error);
+    this.guides.checked = Boolean(settings.guides);
+    for (const key of ["estimator", "integrator", "denoise"])
+      if (settings[key]) this[key].value = settings[key];
+    const { exposure } = settings;
+    if (exposure === undefined) return;
+    this.auto.checked = exposure === "auto";
+    this.exposure.set(exposure === "auto" ? this.#status.exposure?.stops : exposure);
   }
 
   // A target that is none of the list is added to it.
   #showTarget(target) {
-    if (!target || document.activeElement === this.target) return;
+    if (!target) return;
     const values = [...this.target.options].map((option) => Number(option.value));
     if (!values.includes(target))
       this.target.append(make("option", { value: String(target) }, target.toExponential(0)));

@@ -7,8 +7,12 @@ import { recall, remember } from "./store.js";
 
 const CAMERA_REST_MS = 700;
 const REFRESH_MS = 150;
+const SETTINGS = "$settings"; // the key of a step that is no patch; a scene has none of this name
 
-/** Dispatches `change` when document, file or history have changed. */
+/**
+ * Dispatches `change` when document, file or history have changed, and `settings` (detail: parameters
+ * of render.set) when a step of settings is undone or redone.
+ */
 export class Scene extends EventTarget {
   #rpc;
   #fail;
@@ -51,13 +55,28 @@ export class Scene extends EventTarget {
     this.#apply(patch, group, passed);
   }
 
+  /** Keeps a change of settings for undo; both are parameters of render.set. */
+  recordSettings(undo, redo, group) {
+    this.#history.push({ undo: { [SETTINGS]: undo }, redo: { [SETTINGS]: redo }, group });
+    this.#save();
+    this.#tell();
+  }
+
   async undo() {
     await this.#rest();
-    this.#apply(this.#history.undo());
+    this.#step(this.#history.undo());
   }
 
   redo() {
-    this.#apply(this.#history.redo());
+    this.#step(this.#history.redo());
+  }
+
+  #step(patch) {
+    const detail = patch?.[SETTINGS];
+    if (!detail) return this.#apply(patch);
+    this.#save();
+    this.#tell();
+    this.dispatchEvent(new CustomEvent("settings", { detail }));
   }
 
   /** The camera moves by another way than change: what it was is kept for undo. */

@@ -18,7 +18,7 @@ export class SceneTab {
       "Drag a number to change it, or press it to type.",
     );
     this.none = make("p", { class: "hint", hidden: true }, "A finished image has no scene.");
-    this.element.append(this.none, this.place, this.about);
+    this.element.append(this.none, this.place);
     explain(this.place, this.about);
     scene.addEventListener("change", () => (this.none.hidden = scene.document !== null));
   }

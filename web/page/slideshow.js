@@ -25,8 +25,13 @@ export class Slideshow {
       () => this.#call(this.#list.playing ? "playlist.stop" : "playlist.play"),
       { id: "play", class: "main" },
     );
-    const step = (text, method) => button(text, () => this.#call(method));
-    this.empty = make("p", { class: "hint" }, "Add entries in the tab Library, or drag them here.");
+    const step = (text, method) => button(text, () => this.#call(method), { disabled: true });
+    this.steps = [step("Previous", "playlist.previous"), step("Next", "playlist.next")];
+    this.empty = make(
+      "p",
+      { class: "hint" },
+      "The slideshow is empty. Add entries in the tab Library, or drag them here.",
+    );
     this.element.append(
       make(
         "section",
@@ -36,12 +41,12 @@ export class Slideshow {
           "div",
           { class: "answers" },
           this.play,
-          step("Previous", "playlist.previous"),
-          step("Next", "playlist.next"),
+          ...this.steps,
         ),
         labelled("Start again at the end", this.loop),
         this.rows,
         this.empty,
+        make("p", { class: "hint" }, "The seconds of an entry count from its first image on."),
       ),
     );
     this.accept(this.element);
@@ -54,14 +59,17 @@ export class Slideshow {
     return known;
   }
 
+  /** @returns a promise of the list with the entry; undefined: refused */
   add({ path }) {
-    this.#set([...this.#list.entries, { file: path, seconds: USUAL_SECONDS }]);
+    return this.#set([...this.#list.entries, { file: path, seconds: USUAL_SECONDS }]);
   }
 
   #call(method, params = {}) {
+    this.#fail();
     return this.#rpc.call(method, params).then((list) => {
       this.#show(list);
       this.#fail();
+      return list;
     }, this.#fail);
   }
 
@@ -76,7 +84,7 @@ export class Slideshow {
     this.#list = list;
     this.loop.checked = list.loop;
     this.play.textContent = list.playing ? "Stop" : "Play";
-    this.play.disabled = list.entries.length === 0;
+    for (const one of [this.play, ...this.steps]) one.disabled = list.entries.length === 0;
     this.empty.hidden = list.entries.length > 0;
     if (!this.rows.querySelector(":focus.scrub, .dragged"))
       this.rows.replaceChildren(...list.entries.map((entry, i) => this.#row(entry, i)));

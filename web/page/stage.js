@@ -28,6 +28,8 @@ export class Stage {
   #view;
   #camera;
   #calibration;
+  #shown = { generation: 0 }; // the image: its generation, and the scene that it shows
+  #next = {}; // aspect and cone of the newest generation
   #wheel = 1; // factors that are less than one step of the zoom
   canvas = at("preview");
   slider = at("view");
@@ -103,6 +105,7 @@ export class Stage {
 
   /** The connection is there: what was asked for before may have changed. */
   connected() {
+    this.#shown.generation = 0; // a daemon that was started again counts from 1
     this.#rpc.call("preview.start").catch(this.#fail);
     this.#calibrate();
   }
@@ -133,6 +136,7 @@ export class Stage {
       try {
         const header = await this.#view.show(detail);
         this.canvas.dataset.generation = header.generation;
+        this.#take(header);
         at("empty").hidden = true;
         this.slider.disabled = header.views < 2;
         this.turnTo(this.#view.position);
@@ -144,8 +148,33 @@ export class Stage {
     });
   }
 
-  status({ aspect, cone }) {
+  // An image has come. If its tiles have another shape, they know theirs until a status does.
+  #take({ generation, width, height }) {
+    const tile = width / height;
+    if (this.#shown.tile && Math.abs(tile / this.#shown.tile - 1) > 0.01)
+      this.#view.set({ aspect: undefined });
+    Object.assign(this.#shown, { generation, tile });
+    this.#takeShape();
+  }
+
+  // The shape of a status is for its own image: that before it keeps its shape, and is dimmed.
+  #takeShape() {
+    const { generation, scene, aspect, cone, level } = this.#next;
+    const old = this.#view.views > 0 && this.#shown.generation < (generation ?? 0);
+    this.canvas.classList.toggle("old", old && level === "none");
+    if (old || generation < this.#shown.generation) return;
+    this.#shown.scene = scene;
     this.#view.set({ aspect, cone: cone ?? 40 });
+  }
+
+  /** Whether the picture is still that of another scene. */
+  waits({ scene }) {
+    return this.#shown.scene !== undefined && this.#shown.scene !== scene;
+  }
+
+  status(status) {
+    this.#next = status;
+    this.#takeShape();
   }
 }
 

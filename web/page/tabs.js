@@ -5,7 +5,7 @@ import { recall, remember } from "./store.js";
 
 /**
  * @param list element with the role tablist
- * @param tabs [{id, name, panel}]: panel is the element of the tab
+ * @param tabs [{id, name, panel}]: panel is the element of the tab; their parent scrolls
  * @param shown called with the id of a tab when it is shown
  */
 export function makeTabs(list, tabs, shown) {
@@ -17,7 +17,12 @@ export function makeTabs(list, tabs, shown) {
     const attributes = { type: "button", id: `tab-${id}`, role: "tab", "aria-controls": panel.id };
     return make("button", { ...attributes, onclick: () => show(id) }, name);
   });
+  const places = new Map(); // how far each tab is scrolled
+  let now;
   function show(id) {
+    const scroller = tabs[0].panel.parentElement;
+    if (now !== undefined) places.set(now, scroller.scrollTop);
+    now = id;
     tabs.forEach((tab, i) => {
       const chosen = tab.id === id;
       tab.panel.hidden = !chosen;
@@ -25,6 +30,7 @@ export function makeTabs(list, tabs, shown) {
       buttons[i].tabIndex = chosen ? 0 : -1;
       if (chosen) buttons[i].scrollIntoView({ block: "nearest", inline: "nearest" });
     });
+    scroller.scrollTop = places.get(id) ?? 0;
     remember("tab", id);
     shown(id);
   }

@@ -1,14 +1,17 @@
 // Numbers of the daemon in words.
 
-const one = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
+/** "1 entry", "3 entries". */
+export const count = (n, noun, plural = `${noun}s`) => `${n} ${n === 1 ? noun : plural}`;
 
-/** "about 40 s", "about 3 min". */
+const MINUTES = [1, 2, 3, 5, 10, 15, 20, 30, 45, 60];
+
+/** "less than a minute", "about 10 min", "hours": no rounder than an estimate is. */
 export function duration(seconds) {
-  if (seconds < 1) return "about a second";
-  if (seconds < 90)
-    return `about ${seconds < 20 ? Math.round(seconds) : Math.round(seconds / 5) * 5} s`;
-  if (seconds < 5400) return `about ${Math.round(seconds / 60)} min`;
-  return `about ${one(Math.round(seconds / 3600), "hour")}`;
+  if (seconds < 45) return "less than a minute";
+  if (seconds >= 5400) return "hours";
+  const minutes = seconds / 60;
+  const off = (n) => Math.abs(Math.log(minutes / n));
+  return `about ${MINUTES.reduce((a, b) => (off(b) < off(a) ? b : a))} min`;
 }
 
 /**
@@ -22,12 +25,31 @@ export function secondsLeft(status) {
   return Math.max(0, status.seconds * (error / status.target_error - 1));
 }
 
-export function timeLeft(status) {
-  if (status.state === "paused") return "paused";
-  if (status.state === "converged") return "done: the error is below the target";
-  if (status.state !== "rendering") return "";
-  const left = secondsLeft(status);
-  return left === undefined ? "time left unknown" : `${duration(left)} left`;
+export const fileName = (path) => path?.split("/").pop() ?? "";
+
+// What there is of the image: its level, or why there is none.
+function levelText(status) {
+  if (status.load?.file && status.load.kind === "file")
+    return `loading ${fileName(status.load.file)}`;
+  if (status.level !== "none") return status.level;
+  if (status.paused) return "Paused: press Pause to see the change";
+  return status.scene ? "waiting for the first image" : "no scene";
+}
+
+/**
+ * A line on how far the image is.
+ * @param status result of the method status
+ * @param left words on the time left
+ * @param waits the picture is still that of another scene
+ */
+export function describe(status, left, waits) {
+  if (status.is_quilt && waits) return "waiting for the first image";
+  if (status.is_quilt) return `finished image · ${count(status.views, "view")}`;
+  const level = levelText(status);
+  if (status.level === "none") return level;
+  const words = status.state === "rendering" ? [level, left] : [status.state, level];
+  if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
+  return [...new Set(words.filter(Boolean))].join(" · ");
 }
 
 /** How far an error has come from 1 to the target, by its logarithm: 0 to 1. */
@@ -47,6 +69,18 @@ export function bytesText(bytes) {
     i = 0;
   for (; value >= 1000 && i < 2; i++) value /= 1000;
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[i]}`;
+}
+
+const HARDWARE = /^(udev|udev rule|USB|displays|panels|calibrations): /;
+
+/**
+ * The findings of doctor in two lists: what is shown, and notes about hardware that a simulated panel
+ * does not need.
+ * @param kind device.kind of the status
+ */
+export function sortFindings(findings, kind) {
+  const aside = ({ level, text }) => kind === "sim" && level === "note" && HARDWARE.test(text);
+  return { shown: findings.filter((one) => !aside(one)), folded: findings.filter(aside) };
 }
 
 /** What status.depth_budget means, and what to do. @returns {text, level: "ok" | "note" | "fail"} */

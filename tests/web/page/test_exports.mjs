@@ -1,7 +1,7 @@
 // The form of exports.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { kindsOf, nameFor, parametersOf, valueOf } from "../../../web/page/exports.js";
+import { EXPORTS, kindsOf, LABELS, nameFor, parametersOf, valueOf } from "../../../web/page/exports.js";
 
 const parameters = {
   kind: { enum: ["quilt", "still", "print"] },
@@ -49,4 +49,19 @@ test("texts become values", () => {
   assert.equal(valueOf({ type: "number" }, " "), undefined);
   assert.equal(valueOf({ type: "boolean", default: false }, false), undefined);
   assert.equal(valueOf({ type: "boolean", default: false }, true), true);
+});
+
+test("every parameter has a label, without its unit", () => {
+  for (const { needed = [], keys } of Object.values(EXPORTS))
+    for (const key of [...needed, ...keys]) {
+      assert.match(LABELS[key], /^[A-Z]/, key);
+      assert.doesNotMatch(LABELS[key], /lpi|dpi|mm|kelvin/);
+    }
+});
+
+test("fields of photos are there for photos alone", () => {
+  const known = { ...parameters, photo: { enum: ["fit", "fill"] } };
+  const keys = (photo) => parametersOf("print", known, photo).map(([key]) => key);
+  assert.equal(keys(false).includes("photo"), false);
+  assert.equal(keys(true).includes("photo"), true);
 });

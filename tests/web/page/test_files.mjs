@@ -1,7 +1,7 @@
 // What files are by their names.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { environmentPatch, kindOf, mainOf, safePath, tilesOf } from "../../../web/page/files.js";
+import { environmentPatch, kindOf, mainOf, mayName, notesOn, safePath, tilesOf } from "../../../web/page/files.js";
 import { merge } from "../../../web/page/patch.js";
 
 test("names have kinds", () => {
@@ -58,4 +58,21 @@ test("a picture of light takes the place of the other light at infinity", () => 
   assert.deepEqual(environmentPatch({}, "/a.exr"), {
     lights: { environment: { type: "environment", file: "/a.exr" } },
   });
+});
+
+test("of several models only one is shown, and its name is told", () => {
+  assert.deepEqual(notesOn(["a.glb", "b.obj", "c.vdb"], "a.glb", [""]), [
+    "Of 3 files only a.glb is shown.",
+  ]);
+  assert.deepEqual(notesOn(["a.png", "b.jpg"], "a.png", []), ["Of 2 files only a.png is shown."]);
+  assert.deepEqual(notesOn(["a.glb"], "a.glb", undefined), []);
+});
+
+test("a texture that no model names is told; one that is named is not", () => {
+  const names = ["a.obj", "a.mtl", "maps/My Wood.PNG", "stone.jpg"];
+  const texts = ["mtllib a.mtl", "map_kd my wood.png"];
+  assert.deepEqual(notesOn(names, "a.obj", texts), ["stone.jpg is not used: no other file names it."]);
+  assert.deepEqual(notesOn(["a.gltf", "my wood.png"], "a.gltf", ['"my%20wood.png"']), []);
+  assert.deepEqual(notesOn(names, "a.obj", undefined), []);
+  assert.ok(mayName("A.MTL") && !mayName("a.png"));
 });

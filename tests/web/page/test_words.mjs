@@ -4,19 +4,26 @@ import { test } from "node:test";
 import {
   bytesText,
   depthText,
+  describe,
   duration,
   progressOf,
   secondsLeft,
-  timeLeft,
+  sortFindings,
 } from "../../../web/page/words.js";
 
 test("times are round", () => {
-  assert.equal(duration(0.2), "about a second");
-  assert.equal(duration(12.4), "about 12 s");
-  assert.equal(duration(42), "about 40 s");
-  assert.equal(duration(200), "about 3 min");
-  assert.equal(duration(3600 * 2.2), "about 2 hours");
-  assert.equal(duration(3600 * 1.5), "about 2 hours");
+  const words = [0.2, 44, 50, 200, 620, 4000, 5399, 5400, 1e6].map(duration);
+  assert.deepEqual(words, [
+    "less than a minute",
+    "less than a minute",
+    "about 1 min",
+    "about 3 min",
+    "about 10 min",
+    "about 60 min",
+    "about 60 min",
+    "hours",
+    "hours",
+  ]);
 });
 
 test("the time left is the daemon's, or follows from the error", () => {
@@ -26,13 +33,21 @@ test("the time left is the daemon's, or follows from the error", () => {
   assert.equal(secondsLeft({ ...status, seconds_left: 7 }), 7);
   assert.equal(secondsLeft({ ...status, seconds_left: null }), undefined);
   assert.equal(secondsLeft({ ...status, error_estimate: null }), undefined);
-  assert.equal(timeLeft({ ...status, state: "rendering" }), "about 30 s left");
+});
+
+test("a line says what is waited for", () => {
+  const status = { state: "rendering", scene: "/srv/b.glb", level: "none", passes: 0 };
+  assert.equal(describe(status), "waiting for the first image");
   assert.equal(
-    timeLeft({ ...status, error_estimate: null, state: "rendering" }),
-    "time left unknown",
+    describe({ ...status, state: "paused", paused: true }),
+    "Paused: press Pause to see the change",
   );
-  assert.equal(timeLeft({ state: "paused" }), "paused");
-  assert.equal(timeLeft({ state: "idle" }), "");
+  assert.equal(describe({ ...status, paused: true, level: "coarse", state: "paused", passes: 2 }), "paused · coarse · 2.00 passes");
+  const load = { kind: "file", file: "/srv/next.obj" };
+  assert.match(describe({ ...status, level: "complete", load }), /^loading next\.obj/);
+  assert.match(describe({ ...status, level: "complete", load: { kind: "orbit", file: null } }), /^complete/);
+  assert.equal(describe({ is_quilt: true, views: 1 }), "finished image · 1 view");
+  assert.equal(describe({ is_quilt: true, views: 1 }, "", true), "waiting for the first image");
 });
 
 test("progress goes from an error of 1 to the target", () => {
@@ -41,6 +56,20 @@ test("progress goes from an error of 1 to the target", () => {
   assert.equal(progressOf(1e-5, 1e-4), 1);
   assert.equal(progressOf(null, 1e-4), 0);
   assert.equal(progressOf(7, 1e-4), 0);
+});
+
+test("with a simulated panel, notes about hardware are apart", () => {
+  const findings = [
+    { level: "ok", text: "daemon: idle" },
+    { level: "note", text: "udev rule: not installed" },
+    { level: "note", text: "USB: no bus" },
+    { level: "fail", text: "panels: broken" },
+    { level: "note", text: "service: not running" },
+  ];
+  const { shown, folded } = sortFindings(findings, "sim");
+  assert.deepEqual(folded, [findings[1], findings[2]]);
+  assert.deepEqual(shown, [findings[0], findings[3], findings[4]]);
+  assert.deepEqual(sortFindings(findings, "drm"), { shown: findings, folded: [] });
 });
 
 test("sizes have units", () => {
