@@ -10,7 +10,7 @@ from . import arrays as memory
 from . import panel
 from .errors import Cancelled, MethodNotFound, NotSupported, ParameterError, QuiltdError, TimedOut, error_of
 from .methods import Group, attributes
-from .schema import check
+from .schema import check, did_you_mean
 from .widget import Preview, Widget
 from .wire import LONGEST_LINE, Connection, Event, Inbox, encode, sockets
 
@@ -50,7 +50,7 @@ class Scene(Group):
         text = encode(scene)
         if len(text) < LONGEST_LINE // 2:
             return self._client._load("scene.load", {"scene": scene, **parameters}, names, parcels=parcels)
-        document = memory.sealed(text.encode())
+        document = memory.sealed([text.encode()])
         try:
             return self._client._load("scene.load", {"scene_fd": True, **parameters}, names, [document], parcels)
         finally:
@@ -151,10 +151,14 @@ class Quiltd:
 
         descriptors: open files that come with the call. timeout: seconds to wait for the answer.
         """
+        return self._connection.call(method, self.checked(method, params or {}), descriptors, timeout)
+
+    def checked(self, method: str, params: Dict[str, Any]) -> Dict[str, Any]:
+        """The parameters of a call as they are sent."""
         about = self.info["methods"].get(method)
         if about is None:
-            raise MethodNotFound(f"this quiltd has no method {method}")
-        return self._connection.call(method, check(method, params or {}, about["params"]), descriptors, timeout)
+            raise MethodNotFound(f"this quiltd has no method {method}{did_you_mean(method, list(self.info['methods']))}")
+        return check(method, params, about["params"])
 
     def orbit(self, yaw: float = 0, pitch: float = 0, zoom: float = 1) -> Dict[str, Any]:
         """Turns the camera around its target by degrees; zoom=2 halves the distance. Returns the generation."""
@@ -220,11 +224,12 @@ class Quiltd:
         return Widget(self.preview(width, views, quality), width)
 
     def show(
-        self, array: Any = None, spacing: Any = 1.0, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any
+        self, array: Any = None, spacing: Any = None, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any
     ) -> Dict[str, Any]:
         """Shows an array of (z, y, x) as a volume, or a mesh, in daylight.
 
-        A volume has values that are not negative; float32 is sent as it is. spacing: size of a voxel, a number or (z, y, x).
+        A volume has values that are not negative; float32 is sent as it is, and masked values as 0.
+        spacing: size of a voxel, a number (1) or (z, y, x); a scene document has (x, y, z).
         scale: extinction per unit of length = scale times the value; None: the densest voxels make the volume opaque.
         keys: more keys of a scene's volume, such as albedo=[1, 0.6, 0.4]; emission may be an array of the same shape, or an
         object with one: emission={"array": heat, "scale": 20, "colour": [1, 0.5, 0.2]}.
@@ -234,16 +239,21 @@ class Quiltd:
         """
         if (array is None) == (mesh is None):
             raise ParameterError("show: expected an array of (z, y, x), or mesh=(positions, triangles)")
-        if mesh is not None:
-            return panel.show_mesh(self, mesh, keys)
-        return panel.show_volume(self, array, spacing, scale, keys)
+        if mesh is None:
+            return panel.show_volume(self, array, 1.0 if spacing is None else spacing, scale, keys)
+        for name, value in (("spacing", spacing), ("scale", scale)):
+            if value is not None:
+                raise ParameterError(f"show: {name} is for volumes; scale the positions of a mesh instead")
+        return panel.show_mesh(self, mesh, keys)
 
-    def show_quilt(self, array: Any, columns: int, rows: int, aspect: Optional[float] = None) -> Dict[str, Any]:
-        """Shows an array of (height, width, 3) bytes as a quilt, rows from the top; view 0 is at the bottom left.
+    def show_quilt(
+        self, array: Any, columns: int, rows: int, aspect: Optional[float] = None, views: Optional[int] = None, name: Optional[str] = None
+    ) -> Dict[str, Any]:
+        """Shows an array of (height, width, 3) of uint8 as a quilt, rows from the top; view 0 is at the bottom left.
 
-        aspect: width / height of a view.
+        aspect: width / height of a view. views: how many of the tiles are views; None: all. name: in messages.
         """
-        return panel.show_quilt(self, array, columns, rows, aspect)
+        return panel.show_quilt(self, array, columns, rows, {"aspect": aspect, "views": views, "name": name})
 
     def _views(self) -> int:
         return self.call("status").get("views", 1)
@@ -293,7 +303,7 @@ class Quiltd:
             if parcels:
                 params = {**params, "arrays": {name: {"shape": list(p.shape), "type": p.kind} for name, p in parcels.items()}}
             for parcel in (parcels or {}).values():
-                sent.append(memory.sealed(parcel.values))
+                sent.append(parcel.sealed())
             return self.call(method, params, [*documents, *passed.values(), *sent])
         finally:
             memory.close_all([*passed.values(), *sent])
