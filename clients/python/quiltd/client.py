@@ -1,10 +1,12 @@
 """A client of a running quiltd."""
 
+import contextlib
+import mmap
 import os
 import threading
 import time
 import weakref
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Union
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Tuple, Union
 
 from . import arrays as memory
 from . import panel
@@ -207,17 +209,18 @@ class Quiltd:
 
         width: of a view in pixels, at most as rendered; None: as rendered. views: how many, evenly spaced; None: all.
         """
-        if not self.takes("frame.get"):
-            raise NotSupported('this quiltd has no method frame.get; export("quilt", file="quilt.jpg") gives a whole quilt')
-        if width is not None:
-            width = min(width, self.call("status").get("view_width", width))
-        params = {"format": "jpeg", "width": width, "views": views, "quality": quality}
-        (file,) = memory.empty_files(1)
-        try:
-            info = self.call("frame.get", {name: value for name, value in params.items() if value is not None}, [file])
+        with self._frame({"format": "jpeg", "width": width, "views": views, "quality": quality}) as (file, info):
             return Preview(memory.contents(file), info)
-        finally:
-            os.close(file)
+
+    def array(self, width: Optional[int] = None, views: Optional[int] = None) -> memoryview:
+        """The image that is shown now, as a quilt of (height, width, 3) bytes: sRGB, rows from the top, view 0 at the bottom left.
+
+        numpy.asarray(q.array(views=1)) is the middle view as an array, without a copy. width, views: as of preview, whose
+        `info` has the tiles; None: as rendered, and all.
+        """
+        with self._frame({"format": "raw", "width": width, "views": views}) as (file, info):
+            shape = [info["rows"] * info["height"], info["columns"] * info["width"], 3]
+            return memoryview(mmap.mmap(file, 0)).cast("B", shape)
 
     def widget(self, width: int = 420, views: Optional[int] = None, quality: Optional[int] = None) -> Widget:
         """For Jupyter: the image that is shown now. The pointer, a finger or the arrow keys turn it through its views."""
@@ -254,6 +257,19 @@ class Quiltd:
         aspect: width / height of a view. views: how many of the tiles are views; None: all. name: in messages.
         """
         return panel.show_quilt(self, array, columns, rows, {"aspect": aspect, "views": views, "name": name})
+
+    @contextlib.contextmanager
+    def _frame(self, params: Dict[str, Any]) -> Iterator[Tuple[int, Dict[str, Any]]]:
+        """A file with the result of frame.get, and its answer."""
+        if not self.takes("frame.get"):
+            raise NotSupported('this quiltd has no method frame.get; export("quilt", file="quilt.jpg") gives a whole quilt')
+        if params["width"] is not None:
+            params["width"] = min(params["width"], self.call("status").get("view_width", params["width"]))
+        (file,) = memory.empty_files(1)
+        try:
+            yield file, self.call("frame.get", {name: value for name, value in params.items() if value is not None}, [file])
+        finally:
+            os.close(file)
 
     def _views(self) -> int:
         return self.call("status").get("views", 1)

@@ -344,6 +344,7 @@ class Older(FakeCase):
             lambda: self.q.show(mesh=(floats((3, 3), range(9)), whole((1, 3), [0, 1, 2]))),
             lambda: self.q.show_quilt(memoryview(bytes(6)).cast("B", (1, 2, 3)), 2, 1),
             self.q.preview,
+            self.q.array,
             self.q.widget,
         ):
             with self.assertRaises(quiltd.NotSupported):

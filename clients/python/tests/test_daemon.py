@@ -288,6 +288,17 @@ class FromMemory(Case):
         self.assertTrue(preview.startswith(b"\xff\xd8\xff"))
         self.assertEqual((preview.info["views"], preview.info["width"], preview.info["bytes"]), (3, 12, len(preview)))
 
+    def test_the_image_is_an_array(self):
+        self.need("frame.get")
+        self.q.show_quilt(memoryview(bytes(range(216))).cast("B", (6, 12, 3)), 3, 2)
+        self.q.wait("coarse", timeout=120)
+        whole_quilt = self.q.array()
+        self.assertEqual((whole_quilt.shape, whole_quilt.tobytes()), ((6, 12, 3), bytes(range(216))))
+        middle = self.q.array(views=1)
+        self.assertEqual(middle.shape, (3, 4, 3))
+        self.assertEqual(middle[0, 0, 0], 0)  # view 3 of 6: the top left tile
+        self.assertEqual(self.q.array(width=2).shape[1:], (6, 3))
+
     def test_a_widget_may_be_wider_than_the_views(self):
         self.need("frame.get")
         self.assertIn(f"aspect-ratio:{WIDTH}/{HEIGHT}", self.q.widget(width=10 * WIDTH)._repr_html_())
