@@ -40,12 +40,12 @@ class Scene(Group):
         files: what the scene names outside of the folders that quiltd may read (`hello` lists them); passed with your rights.
         arrays: the arrays that its volumes and meshes name. Whole numbers in two axes are sent as uint32, others as float32.
         parameters: as of scene.load, for example yaw=30 or quilt="8x6".
-        Returns the generation and the warnings. Paths in a document are absolute.
+        Returns the generation and the warnings. Paths in a document are absolute; its `spacing` is (x, y, z), unlike that of show.
         """
-        names = [os.path.abspath(os.fspath(name)) for name in files]
+        names = self._paths(files)
         parcels = _parcels(arrays)
         if not isinstance(scene, dict):
-            path = os.path.abspath(os.fspath(scene)) + ("/" if os.fspath(scene).endswith("/") else "")
+            path = self._paths([scene])[0] + ("/" if os.fspath(scene).endswith("/") else "")
             return self._client._load("scene.load", {"file": path, **parameters}, [path, *names], parcels=parcels)
         if not self._client.takes("scene.load", "scene"):
             raise NotSupported("scene: scene.load of this quiltd takes no documents; save it and load it by scene(path)")
@@ -62,8 +62,15 @@ class Scene(Group):
         self, patch: Dict[str, Any], files: Iterable[PathOrName] = (), arrays: Optional[Dict[str, Any]] = None
     ) -> Dict[str, Any]:
         """Changes the scene that is shown: keys with their new values, where None removes a key. files, arrays: as of a scene."""
-        names = [os.path.abspath(os.fspath(name)) for name in files]
-        return self._client._load("scene.patch", {"patch": patch}, names, parcels=_parcels(arrays))
+        return self._client._load("scene.patch", {"patch": patch}, self._paths(files), parcels=_parcels(arrays))
+
+    def _paths(self, names: Iterable[PathOrName]) -> List[str]:
+        """Absolute paths. quiltd itself knows which files of its own folders exist."""
+        paths = [os.path.abspath(os.fspath(name)) for name in names]
+        for path in paths:
+            if not self._client._may_read(path) and not os.path.exists(path):
+                raise ParameterError(f"scene: {path} does not exist")
+        return paths
 
 
 def _parcels(arrays: Optional[Dict[str, Any]]) -> Dict[str, memory.Parcel]:
@@ -108,6 +115,8 @@ class Quiltd:
     scene: Scene
 
     def __init__(self, socket: Optional[PathOrName] = None) -> None:
+        if socket is not None and "://" in os.fspath(socket):
+            raise ParameterError(f"connect: {os.fspath(socket)} is a URL; Python needs the path of the socket of quiltd, or nothing")
         self._connection = Connection([os.fspath(socket)] if socket is not None else sockets())
         self._subscribing = threading.Lock()
         self._events: "weakref.WeakSet[Events]" = weakref.WeakSet()  # those that somebody still reads
@@ -122,7 +131,7 @@ class Quiltd:
     def __getattr__(self, name: str) -> Any:
         found = self.__dict__.get("_attributes", {})
         if name not in found:
-            raise MethodNotFound(f"this quiltd has no method {name}; it has {', '.join(found)}")
+            raise MethodNotFound(f"this quiltd has no method {name}{did_you_mean(name, list(found)) or '; it has ' + ', '.join(found)}")
         return found[name]
 
     def __dir__(self) -> List[str]:
@@ -175,7 +184,10 @@ class Quiltd:
         return self.call("wait", {name: value for name, value in params.items() if value is not None})
 
     def events(self, *words: str, timeout: Optional[float] = None) -> Events:
-        """Notifications of these events (frame, converged, scene, device, export, button; without words: all), from now on."""
+        """Notifications of these events from now on; without words: of all.
+
+        The words: frame, converged, scene, device, export, button, playlist, log.
+        """
         known = {about["event"] for about in self.info["events"].values()}
         wanted = set(words) or known
         if not wanted <= known:

@@ -89,6 +89,17 @@ class Calls(Case):
             self.assertTrue(callable(method), name)
             self.assertTrue(method.__doc__, name)
 
+    def test_the_nearest_method_is_named(self):
+        for call in (lambda: self.q.camera.orbitt, lambda: self.q.call("camera.orbitt")):
+            with self.assertRaisesRegex(quiltd.MethodNotFound, 'did you mean "(camera.)?orbit"'):
+                call()
+        with self.assertRaisesRegex(quiltd.MethodNotFound, 'did you mean "status"'):
+            self.q.statu()
+
+    def test_the_manual_of_events_has_all_words(self):
+        words = self.q.events.__doc__.split("The words: ")[1].split(".")[0].split(", ")
+        self.assertEqual(sorted(words), sorted({about["event"] for about in self.q.info["events"].values()}))
+
     def test_the_camera_turns(self):
         before = self.q.status()["generation"]
         after = self.q.orbit(yaw=15)["generation"]
@@ -153,6 +164,13 @@ class Calls(Case):
 
 
 class Scenes(Case):
+    def test_a_file_that_does_not_exist_is_named(self):
+        for call in (lambda: self.q.scene("/nowhere/a.glb"), lambda: self.q.scene({"quiltd": 1}, files=["/nowhere/a.glb"])):
+            with self.assertRaisesRegex(quiltd.ParameterError, "^scene: /nowhere/a.glb does not exist"):
+                call()
+        with self.assertRaisesRegex(quiltd.QuiltdError, "[Nn]o such file"):  # quiltd's own folder
+            self.q.scene(os.path.join(folder, "a.glb"))
+
     def test_a_document_is_shown(self):
         self.need("scene.load", "scene")
         self.q.scene({**SCENE, "camera": {"views": 5}}, name="five")
