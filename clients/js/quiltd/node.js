@@ -1,10 +1,9 @@
 // The client in Node: over the socket of quiltd, or over quiltweb with the token of its URL.
 
 import { connect as connectSocket } from "node:net";
-import { request as requestHttp } from "node:http";
 
 import { Quiltd, QuiltdError } from "./quiltd.js";
-import { openWebSocket } from "./websocket.js";
+import { openWebSocket, requestOf } from "./websocket.js";
 
 export { Quiltd, QuiltdError, readImage } from "./quiltd.js";
 
@@ -50,7 +49,7 @@ async function openAny(paths) {
 function ask(url, headers, method, body = new Uint8Array()) {
   return new Promise((resolve, reject) => {
     const length = { "Content-Length": body.length };
-    const call = requestHttp(url, { method, agent: false, headers: { ...headers, ...(method === "PUT" && length) } });
+    const call = requestOf(url)(url, { method, agent: false, headers: { ...headers, ...(method === "PUT" && length) } });
     call.on("error", reject);
     call.on("response", async (answer) => {
       const parts = [];
@@ -62,8 +61,7 @@ function ask(url, headers, method, body = new Uint8Array()) {
   });
 }
 
-async function openGateway(text) {
-  const url = new URL(text);
+async function openGateway(url) {
   const headers = { Authorization: `Bearer ${url.hash.slice(1)}` };
   const door = await openWebSocket(new URL("/rpc", url), headers);
   door.request = async (method, path, body) =>
@@ -71,12 +69,33 @@ async function openGateway(text) {
   return door;
 }
 
-// A client of quiltd. where: the path of its socket, or the URL that quiltweb printed (http://127.0.0.1:8033/#TOKEN).
-// Without it: the socket that quiltctl would take.
+function unopened(error) {
+  if (error.status === 401)
+    return new QuiltdError("the token is missing or wrong; take the URL that quiltweb printed last", { name: "WrongToken" });
+  if (error.status === 421)
+    return new QuiltdError("quiltweb refuses this host name; start it with --public https://NAME", { name: "NoDaemon" });
+  const why = error.code === "EPROTO" ? "the server does not speak TLS; use http:// for quiltweb itself" : error.message;
+  return new QuiltdError(`no quiltd answers: ${why}`, { name: "NoDaemon" });
+}
+
+function addressOf(text) {
+  try {
+    return new URL(text.replace(/^ws/i, "http"));
+  } catch {
+    return undefined;
+  }
+}
+
+// A client of quiltd. where: the path of its socket, or the URL that quiltweb printed (http://127.0.0.1:8033/#TOKEN),
+// also with https:, ws: or wss:. Without it: the socket that quiltctl would take.
 export async function connect(where) {
-  const opened = where?.startsWith("http:") ? openGateway(where) : openAny(where ? [where] : sockets());
+  const [, scheme] = where?.match(/^([a-z]+):\/\//i) ?? [];
+  const url = scheme && addressOf(where);
+  if (scheme && !/^https?:$/.test(url?.protocol))
+    throw new QuiltdError(`connect: ${where} is no URL of quiltweb, such as http://127.0.0.1:8033/#TOKEN`, { name: "ParameterError" });
+  const opened = url ? openGateway(url) : openAny(where ? [where] : sockets());
   const door = await opened.catch((error) => {
-    throw new QuiltdError(`no quiltd answers: ${error.message}`, { name: "NoDaemon" });
+    throw unopened(error);
   });
   return Quiltd.over(door);
 }

@@ -22,7 +22,7 @@ export type Bytes = Uint8Array | Blob;
 /** What went wrong. */
 export class QuiltdError extends Error {
   /** MethodNotFound, ParameterError, InternalError, Busy, PathRefused, BadScene, NoDevice, TimedOut, NoDaemon,
-   * ConnectionClosed, NotSupported, Cancelled, or QuiltdError. */
+   * WrongToken, ConnectionClosed, NotSupported, Cancelled, or QuiltdError. */
   name: string;
   /** Of the answer, if there was one. */
   code?: number;

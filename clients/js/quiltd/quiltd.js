@@ -28,6 +28,57 @@ export class QuiltdError extends Error {
 }
 
 const refused = (error) => new QuiltdError(error.message, { code: error.code, data: error.data });
+const wrong = (message) => new QuiltdError(message, { name: "ParameterError" });
+
+// The number of letters to insert, remove or replace.
+function distance(a, b) {
+  let row = [...Array(b.length + 1).keys()];
+  for (let i = 1; i <= a.length; i++) {
+    const above = row;
+    row = [i];
+    for (let j = 1; j <= b.length; j++)
+      row[j] = Math.min(above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] === b[j - 1] ? 0 : 1));
+  }
+  return row[b.length];
+}
+
+// The end of a message: the nearest of these words, if one is near.
+function meant(word, words) {
+  const [best] = words.map((known) => [distance(word, known), known]).sort((a, b) => a[0] - b[0]);
+  return best && best[0] <= Math.max(1, word.length / 4) ? `; did you mean "${best[1]}"?` : "";
+}
+
+// What JavaScript itself, consoles and frameworks look for.
+const foreign = (name) => typeof name !== "string" || name === "then" || name === "toJSON" || !/^[a-z][a-z_]*$/.test(name);
+
+// A prototype on which each name that there is not becomes unknown(name).
+const guessing = (unknown) =>
+  new Proxy(Object.prototype, {
+    get: (object, name, receiver) => (name in object || foreign(name) ? object[name] : unknown(name, receiver)),
+  });
+
+// A member that quiltd does not have: a call of it fails, q.camera.orbitt() as well as q.camra.orbit().
+function unknownMember(q, path) {
+  const fail = async () => {
+    const near = meant(path, Object.keys(q.info?.methods ?? {}));
+    throw new QuiltdError(`quiltd has no method ${path}${near}`, { name: "MethodNotFound" });
+  };
+  const get = (object, name) => (name in object || foreign(name) ? object[name] : unknownMember(q, `${path}.${name}`));
+  return new Proxy(fail, { get });
+}
+
+// The bytes of a file as they are sent.
+function fileOf(what, data) {
+  if (data instanceof Blob) return data;
+  if (ArrayBuffer.isView(data)) return new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
+  throw wrong(`${what}: expected the bytes of a file, as Uint8Array or Blob, not ${data === null ? "null" : typeof data}`);
+}
+
+// A hint for files that quiltd may not read, or undefined.
+function hintOf(method, params, gateway) {
+  if ((method !== "scene.load" && method !== "scene.patch") || params?.files) return undefined;
+  return gateway ? "put it there by q.upload, and add files: [path]" : "start quiltd with --allow-path, or connect to quiltweb";
+}
 
 // An image message of quiltweb (docs/reference/protocol.md, Gateway).
 export function readImage(buffer) {
@@ -122,12 +173,13 @@ export class Quiltd {
     if (this.#closed) return Promise.reject(this.#closed);
     const id = ++this.#ids;
     this.#door.send(JSON.stringify({ jsonrpc: "2.0", id, method, params }));
+    const hint = hintOf(method, params, this.#door.request);
     return new Promise((resolve, reject) => {
       const late = () => {
         this.#calls.delete(id);
         reject(new QuiltdError(`${method}: no answer within ${timeout} s`, { name: "TimedOut" }));
       };
-      this.#calls.set(id, { resolve, reject, timer: timeout && setTimeout(late, 1000 * timeout) });
+      this.#calls.set(id, { resolve, reject, hint, timer: timeout && setTimeout(late, 1000 * timeout) });
     });
   }
 
@@ -188,12 +240,19 @@ export class Quiltd {
   // Puts bytes (a Uint8Array, a Blob, a File) where scene.load finds them: q.scene.load({ file: path, files: [path] }).
   // folder: that of an earlier upload. Returns { path, folder }.
   async upload(name, data, { folder } = {}) {
-    return JSON.parse(text(await this.#http("PUT", address("/api/upload", { name, folder }), data)));
+    const body = fileOf("upload", data);
+    return JSON.parse(text(await this.#http("PUT", address("/api/upload", { name, folder }), body)));
   }
 
   // Shows a picture file as a quilt: { columns, rows, views, aspect }.
-  async showQuilt(picture, { columns: cols, rows, views, aspect }) {
-    return JSON.parse(text(await this.#http("PUT", address("/api/quilt", { cols, rows, views, aspect }), picture)));
+  async showQuilt(picture, tiles = {}) {
+    const { columns: cols, rows, views, aspect, ...others } = tiles;
+    const [other] = Object.keys(others);
+    if (other) throw wrong(`showQuilt: unknown key "${other}"; the keys are columns, rows, views and aspect`);
+    if (cols === undefined || rows === undefined)
+      throw wrong("showQuilt: the tiles are missing; give them as { columns: 8, rows: 6 }");
+    const body = fileOf("showQuilt", picture);
+    return JSON.parse(text(await this.#http("PUT", address("/api/quilt", { cols, rows, views, aspect }), body)));
   }
 
   // What `quiltctl export` writes, as [{ name, data }]. params: those of the method export; file chooses the format.
@@ -249,9 +308,14 @@ export class Quiltd {
   #addMethods() {
     for (const name of Object.keys(this.info.methods)) {
       const words = name.split("."), last = words.pop();
-      const group = words.reduce((at, word) => (at[word] ??= {}), this);
-      group[last] ??= (params) => this.call(name, params);
+      const group = words.reduce((at, word, i) => this.#group(at, word, words.slice(0, i + 1).join(".")), this);
+      if (!(last in group)) group[last] = (params) => this.call(name, params);
     }
+  }
+
+  #group(at, word, path) {
+    if (!(word in at)) at[word] = Object.create(guessing((name) => unknownMember(this, `${path}.${name}`)));
+    return at[word];
   }
 
   #listen(wants, words, timeout) {
@@ -280,6 +344,7 @@ export class Quiltd {
     if (error && id === null) this.#end(error.message); // why quiltd closes the connection next
     clearTimeout(call?.timer);
     this.#calls.delete(id);
+    if (error?.code === -32001 && call?.hint) error.message = `${error.message.replace(/; pass its descriptor.*$/, "")}; ${call.hint}`;
     if (error) call?.reject(refused(error));
     else call?.resolve(result);
   }
@@ -293,6 +358,11 @@ export class Quiltd {
     this.#images?.end(this.#closed);
   }
 }
+
+Object.setPrototypeOf(
+  Quiltd.prototype,
+  guessing((name, q) => unknownMember(q, name)),
+);
 
 const text = (data) => new TextDecoder().decode(data);
 

@@ -1,7 +1,8 @@
 // A WebSocket client (RFC 6455) that can send a token: that of Node 18 to 21 does not exist, that of browsers sends none.
 
 import { createHash, randomBytes } from "node:crypto";
-import { request } from "node:http";
+import { request as requestHttp } from "node:http";
+import { request as requestHttps } from "node:https";
 
 const GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 const TEXT = 1, BINARY = 2, CLOSE = 8, PING = 9, PONG = 10;
@@ -97,17 +98,21 @@ function follow(socket, head) {
   return door;
 }
 
+// What asks at a URL of http: or https:.
+export const requestOf = (url) => (url.protocol === "https:" ? requestHttps : requestHttp);
+
 // A promise of a door (quiltd.js) without `request`. headers: those of the handshake, such as Authorization.
 export function openWebSocket(url, headers) {
   const key = randomBytes(16).toString("base64");
   const wanted = { Connection: "Upgrade", Upgrade: "websocket", "Sec-WebSocket-Version": 13, "Sec-WebSocket-Key": key };
   const accept = createHash("sha1").update(key + GUID).digest("base64");
   return new Promise((resolve, reject) => {
-    const call = request(url, { agent: false, headers: { ...headers, ...wanted } });
+    const call = requestOf(url)(url, { agent: false, headers: { ...headers, ...wanted } });
     call.on("error", reject);
     call.on("response", (answer) => {
       answer.destroy();
-      reject(new Error(`${url.host} refused the WebSocket with status ${answer.statusCode}`));
+      const refused = new Error(`${url.host} refused the WebSocket with status ${answer.statusCode}`);
+      reject(Object.assign(refused, { status: answer.statusCode }));
     });
     call.on("upgrade", (answer, socket, head) => {
       if (answer.headers["sec-websocket-accept"] === accept) return resolve(follow(socket, head));

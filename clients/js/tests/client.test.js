@@ -80,6 +80,70 @@ describe("calls", () => {
   });
 });
 
+describe("members", () => {
+  it("that quiltd does not have fail when they are called, with the nearest", async () => {
+    const { q, sent } = await client();
+    const orbit = { name: "MethodNotFound", message: 'quiltd has no method camera.orbitt; did you mean "camera.orbit"?' };
+    await assert.rejects(q.camera.orbitt({ yaw: 1 }), orbit);
+    await assert.rejects(q.camra.orbit(), { name: "MethodNotFound", message: /camra\.orbit; did you mean "camera\.orbit"/ });
+    await assert.rejects(q.stattus(), { message: /did you mean "status"/ });
+    await assert.rejects(q.xyzzy(), { name: "MethodNotFound", message: "quiltd has no method xyzzy" });
+    assert.deepEqual(sent, []);
+  });
+
+  it("that others look for are undefined", async () => {
+    const { q } = await client();
+    assert.equal(await q, q);
+    for (const name of ["then", "toJSON", "nodeType", "_private", "$$typeof", Symbol.iterator])
+      for (const object of [q, q.camera, q.camra]) assert.equal(object[name], undefined, String(name));
+    assert.deepEqual([Object.keys(q.camera), `${q}`, "orbitt" in q.camera], [["orbit"], "[object Object]", false]);
+  });
+});
+
+describe("files", () => {
+  const never = () => assert.fail("nothing is sent");
+
+  it("are bytes", async () => {
+    const { q } = await client({}, never);
+    const wrong = { name: "ParameterError", message: /^upload: expected the bytes of a file, as Uint8Array or Blob, not / };
+    for (const data of [undefined, null, "text", 3, {}]) await assert.rejects(q.upload("a.obj", data), wrong);
+    await assert.rejects(q.showQuilt("a.png", { columns: 8, rows: 6 }), { message: /^showQuilt: expected the bytes/ });
+  });
+
+  it("are sent as they are in memory", async () => {
+    const bodies = [];
+    const { q } = await client({}, (method, path, body) => {
+      bodies.push([...body]);
+      return { status: 200, data: new TextEncoder().encode("{}") };
+    });
+    await q.upload("a", new Uint16Array([1, 2, 3]).subarray(1));
+    await q.upload("a", Buffer.from([7]));
+    assert.deepEqual(bodies, [[2, 0, 3, 0], [7]]);
+  });
+
+  it("of quilts have tiles", async () => {
+    const { q } = await client({}, never);
+    const bytes = new Uint8Array(3);
+    for (const tiles of [undefined, {}, { columns: 8 }])
+      await assert.rejects(q.showQuilt(bytes, tiles), { name: "ParameterError", message: /give them as \{ columns: 8, rows: 6 \}/ });
+    await assert.rejects(q.showQuilt(bytes, { cols: 8, rows: 6 }), { name: "ParameterError", message: /"cols"; the keys are columns/ });
+  });
+
+  it("that quiltd may not read have a hint", async () => {
+    const error = { code: -32001, message: "/a;b: is outside; pass its descriptor, as quiltctl does" };
+    const messages = [];
+    for (const [gateway, params] of [[never, {}], [undefined, {}], [never, { files: ["/a;b"] }]]) {
+      const { q, say } = await client({}, gateway);
+      const call = q.call("scene.load", params);
+      say({ id: 2, error });
+      messages.push(await call.catch(({ message }) => message.slice(error.message.indexOf("; "))));
+    }
+    assert.match(messages[0], /^; put it there by q\.upload, and add files: \[path\]$/);
+    assert.match(messages[1], /^; start quiltd with --allow-path/);
+    assert.match(messages[2], /^; pass its descriptor/);
+  });
+});
+
 describe("events", () => {
   it("are subscribed for all readers together", async () => {
     const { q, sent } = await client();

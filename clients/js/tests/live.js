@@ -2,6 +2,7 @@
 
 import { spawn } from "node:child_process";
 import { mkdir, mkdtemp, rm, writeFile } from "node:fs/promises";
+import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { setTimeout as nap } from "node:timers/promises";
@@ -26,6 +27,23 @@ function firstLine(stream) {
     });
     stream.on("end", () => reject(new Error(`the program ended: ${text}`)));
   });
+}
+
+// Another quiltweb before the same quiltd: { quiltweb, url }. Its caller ends it.
+export async function startGateway(socket, listen = "127.0.0.1:0", ...options) {
+  const quiltweb = spawn(join(process.env.QUILTD_BUILD, "quiltweb"), ["--socket", socket, "--listen", listen, ...options], {
+    stdio: ["ignore", "pipe", "ignore"],
+  });
+  return { quiltweb, url: (await firstLine(quiltweb.stdout)).trim() };
+}
+
+// A port on which nobody listens now.
+export async function freePort() {
+  const server = createServer();
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const { port } = server.address();
+  await new Promise((resolve) => server.close(resolve));
+  return port;
 }
 
 async function ended(child) {
@@ -54,10 +72,7 @@ export async function start({ document = SCENE, options = OPTIONS, files = {}, s
     q = await connect(socket).catch(() => nap(50));
     if (quiltd.exitCode !== null) throw new Error("quiltd ended");
   }
-  const quiltweb = spawn(join(build, "quiltweb"), ["--socket", socket, "--listen", "127.0.0.1:0"], {
-    stdio: ["ignore", "pipe", "ignore"],
-  });
-  const url = (await firstLine(quiltweb.stdout)).trim();
+  const { quiltweb, url } = await startGateway(socket);
   const stop = async () => {
     q.close();
     await ended(quiltweb);

@@ -3,13 +3,15 @@
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import { readFile, readdir } from "node:fs/promises";
+import { connect as connectTcp } from "node:net";
 import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
+import { createServer } from "node:tls";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 
 import { connect } from "../quiltd/node.js";
-import { HEIGHT, VIEWS, WIDTH, start } from "./live.js";
+import { HEIGHT, VIEWS, WIDTH, freePort, start, startGateway } from "./live.js";
 
 const examples = fileURLToPath(new URL("../examples/", import.meta.url));
 let live;
@@ -143,9 +145,54 @@ describe("the gateway alone", () => {
   });
 
   it("tells a wrong token, and that nobody listens", async () => {
-    await assert.rejects(connect(live.url.slice(0, -1)), { name: "NoDaemon", message: /status 401/ });
+    const wrong = { name: "WrongToken", message: /^the token is missing or wrong; take the URL that quiltweb printed last$/ };
+    for (const url of [live.url.slice(0, -1), live.url.split("#")[0]]) await assert.rejects(connect(url), wrong);
     await assert.rejects(connect("http://127.0.0.1:9/#0"), { name: "NoDaemon", message: /ECONNREFUSED/ });
     await assert.rejects(connect(join(live.folder, "nothing")), { name: "NoDaemon", message: /ENOENT/ });
+  });
+
+  it("is reached by ws: and, behind a server with TLS, by https: and wss:", async (test) => {
+    const q = await connect(live.url.replace("http:", "ws:"));
+    q.close();
+    await assert.rejects(connect(live.url.replace("http:", "https:")), { name: "NoDaemon", message: /does not speak TLS; use http:/ });
+    const files = ["-keyout", join(live.folder, "key"), "-out", join(live.folder, "cert")];
+    const command = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost", "-days", "2", ...files];
+    const made = await promisify(execFile)("openssl", command).catch((error) => error);
+    if (made.code === "ENOENT") return test.skip("there is no openssl");
+    const [key, cert] = await Promise.all(["key", "cert"].map((name) => readFile(join(live.folder, name))));
+    const port = await freePort();
+    const server = createServer({ key, cert }, (socket) => {
+      const inner = connectTcp(port, "127.0.0.1");
+      for (const end of [socket, inner]) end.on("error", () => {});
+      socket.pipe(inner).pipe(socket);
+    });
+    await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+    const outer = `https://localhost:${server.address().port}`;
+    await assert.rejects(connect(outer), { name: "NoDaemon", message: /self.signed/ });
+    process.env.NODE_TLS_REJECT_UNAUTHORIZED = "0";
+    const { quiltweb, url } = await startGateway(live.socket, `127.0.0.1:${port}`, "--public", outer);
+    try {
+      for (const where of [url, url.replace("https:", "wss:")]) {
+        const q = await connect(where);
+        assert.match((await q.upload("a.obj", Buffer.from("v 0 0 0\n"))).path, /a\.obj$/);
+        q.close();
+      }
+      await assert.rejects(connect(url.replace("localhost", "127.0.0.1")), { name: "NoDaemon", message: /start it with --public https:/ });
+    } finally {
+      delete process.env.NODE_TLS_REJECT_UNAUTHORIZED;
+      quiltweb.kill();
+      server.close();
+    }
+  });
+
+  it("refuses other URLs", async () => {
+    for (const url of ["ftp://localhost/", "http://", "https://a b/"])
+      await assert.rejects(connect(url), { name: "ParameterError", message: /is no URL of quiltweb, such as http:/ });
+  });
+
+  it("has a hint for files that were not passed", async () => {
+    const { path } = await q.upload("a.obj", Buffer.from("v 0 0 0\n"));
+    await assert.rejects(q.scene.load({ file: path }), { name: "PathRefused", message: /; put it there by q\.upload, and add files: \[path\]$/ });
   });
 
   it("is needed for images and files", async () => {

@@ -67,11 +67,13 @@ def _connected(show: Callable[[Quiltd], Any]) -> Quiltd:
     return client
 
 
-def show(array: Any = None, spacing: Any = 1.0, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any) -> Quiltd:
+def show(array: Any = None, spacing: Any = None, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any) -> Quiltd:
     """Connects, and shows an array of (z, y, x) as a volume, or a mesh: see Quiltd.show. Returns the client."""
     return _connected(lambda client: client.show(array, spacing, scale, mesh=mesh, **keys))
 
 
-def show_quilt(array: Any, columns: int, rows: int, aspect: Optional[float] = None) -> Quiltd:
-    """Connects, and shows an array of (height, width, 3) bytes as a quilt: see Quiltd.show_quilt. Returns the client."""
-    return _connected(lambda client: client.show_quilt(array, columns, rows, aspect))
+def show_quilt(
+    array: Any, columns: int, rows: int, aspect: Optional[float] = None, views: Optional[int] = None, name: Optional[str] = None
+) -> Quiltd:
+    """Connects, and shows an array of (height, width, 3) of uint8 as a quilt: see Quiltd.show_quilt. Returns the client."""
+    return _connected(lambda client: client.show_quilt(array, columns, rows, aspect, views, name))

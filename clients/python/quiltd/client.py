@@ -1,16 +1,18 @@
 """A client of a running quiltd."""
 
+import contextlib
+import mmap
 import os
 import threading
 import time
 import weakref
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Union
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Tuple, Union
 
 from . import arrays as memory
 from . import panel
 from .errors import Cancelled, MethodNotFound, NotSupported, ParameterError, QuiltdError, TimedOut, error_of
 from .methods import Group, attributes
-from .schema import check
+from .schema import check, did_you_mean
 from .widget import Preview, Widget
 from .wire import LONGEST_LINE, Connection, Event, Inbox, encode, sockets
 
@@ -38,19 +40,19 @@ class Scene(Group):
         files: what the scene names outside of the folders that quiltd may read (`hello` lists them); passed with your rights.
         arrays: the arrays that its volumes and meshes name. Whole numbers in two axes are sent as uint32, others as float32.
         parameters: as of scene.load, for example yaw=30 or quilt="8x6".
-        Returns the generation and the warnings. Paths in a document are absolute.
+        Returns the generation and the warnings. Paths in a document are absolute; its `spacing` is (x, y, z), unlike that of show.
         """
-        names = [os.path.abspath(os.fspath(name)) for name in files]
+        names = self._paths(files)
         parcels = _parcels(arrays)
         if not isinstance(scene, dict):
-            path = os.path.abspath(os.fspath(scene)) + ("/" if os.fspath(scene).endswith("/") else "")
+            path = self._paths([scene])[0] + ("/" if os.fspath(scene).endswith("/") else "")
             return self._client._load("scene.load", {"file": path, **parameters}, [path, *names], parcels=parcels)
         if not self._client.takes("scene.load", "scene"):
             raise NotSupported("scene: scene.load of this quiltd takes no documents; save it and load it by scene(path)")
         text = encode(scene)
         if len(text) < LONGEST_LINE // 2:
             return self._client._load("scene.load", {"scene": scene, **parameters}, names, parcels=parcels)
-        document = memory.sealed(text.encode())
+        document = memory.sealed([text.encode()])
         try:
             return self._client._load("scene.load", {"scene_fd": True, **parameters}, names, [document], parcels)
         finally:
@@ -60,8 +62,15 @@ class Scene(Group):
         self, patch: Dict[str, Any], files: Iterable[PathOrName] = (), arrays: Optional[Dict[str, Any]] = None
     ) -> Dict[str, Any]:
         """Changes the scene that is shown: keys with their new values, where None removes a key. files, arrays: as of a scene."""
-        names = [os.path.abspath(os.fspath(name)) for name in files]
-        return self._client._load("scene.patch", {"patch": patch}, names, parcels=_parcels(arrays))
+        return self._client._load("scene.patch", {"patch": patch}, self._paths(files), parcels=_parcels(arrays))
+
+    def _paths(self, names: Iterable[PathOrName]) -> List[str]:
+        """Absolute paths. quiltd itself knows which files of its own folders exist."""
+        paths = [os.path.abspath(os.fspath(name)) for name in names]
+        for path in paths:
+            if not self._client._may_read(path) and not os.path.exists(path):
+                raise ParameterError(f"scene: {path} does not exist")
+        return paths
 
 
 def _parcels(arrays: Optional[Dict[str, Any]]) -> Dict[str, memory.Parcel]:
@@ -106,6 +115,8 @@ class Quiltd:
     scene: Scene
 
     def __init__(self, socket: Optional[PathOrName] = None) -> None:
+        if socket is not None and "://" in os.fspath(socket):
+            raise ParameterError(f"connect: {os.fspath(socket)} is a URL; Python needs the path of the socket of quiltd, or nothing")
         self._connection = Connection([os.fspath(socket)] if socket is not None else sockets())
         self._subscribing = threading.Lock()
         self._events: "weakref.WeakSet[Events]" = weakref.WeakSet()  # those that somebody still reads
@@ -120,7 +131,7 @@ class Quiltd:
     def __getattr__(self, name: str) -> Any:
         found = self.__dict__.get("_attributes", {})
         if name not in found:
-            raise MethodNotFound(f"this quiltd has no method {name}; it has {', '.join(found)}")
+            raise MethodNotFound(f"this quiltd has no method {name}{did_you_mean(name, list(found)) or '; it has ' + ', '.join(found)}")
         return found[name]
 
     def __dir__(self) -> List[str]:
@@ -151,10 +162,14 @@ class Quiltd:
 
         descriptors: open files that come with the call. timeout: seconds to wait for the answer.
         """
+        return self._connection.call(method, self.checked(method, params or {}), descriptors, timeout)
+
+    def checked(self, method: str, params: Dict[str, Any]) -> Dict[str, Any]:
+        """The parameters of a call as they are sent."""
         about = self.info["methods"].get(method)
         if about is None:
-            raise MethodNotFound(f"this quiltd has no method {method}")
-        return self._connection.call(method, check(method, params or {}, about["params"]), descriptors, timeout)
+            raise MethodNotFound(f"this quiltd has no method {method}{did_you_mean(method, list(self.info['methods']))}")
+        return check(method, params, about["params"])
 
     def orbit(self, yaw: float = 0, pitch: float = 0, zoom: float = 1) -> Dict[str, Any]:
         """Turns the camera around its target by degrees; zoom=2 halves the distance. Returns the generation."""
@@ -169,7 +184,10 @@ class Quiltd:
         return self.call("wait", {name: value for name, value in params.items() if value is not None})
 
     def events(self, *words: str, timeout: Optional[float] = None) -> Events:
-        """Notifications of these events (frame, converged, scene, device, export, button; without words: all), from now on."""
+        """Notifications of these events from now on; without words: of all.
+
+        The words: frame, converged, scene, device, export, button, playlist, log.
+        """
         known = {about["event"] for about in self.info["events"].values()}
         wanted = set(words) or known
         if not wanted <= known:
@@ -203,28 +221,30 @@ class Quiltd:
 
         width: of a view in pixels, at most as rendered; None: as rendered. views: how many, evenly spaced; None: all.
         """
-        if not self.takes("frame.get"):
-            raise NotSupported('this quiltd has no method frame.get; export("quilt", file="quilt.jpg") gives a whole quilt')
-        if width is not None:
-            width = min(width, self.call("status").get("view_width", width))
-        params = {"format": "jpeg", "width": width, "views": views, "quality": quality}
-        (file,) = memory.empty_files(1)
-        try:
-            info = self.call("frame.get", {name: value for name, value in params.items() if value is not None}, [file])
+        with self._frame({"format": "jpeg", "width": width, "views": views, "quality": quality}) as (file, info):
             return Preview(memory.contents(file), info)
-        finally:
-            os.close(file)
+
+    def array(self, width: Optional[int] = None, views: Optional[int] = None) -> memoryview:
+        """The image that is shown now, as a quilt of (height, width, 3) bytes: sRGB, rows from the top, view 0 at the bottom left.
+
+        numpy.asarray(q.array(views=1)) is the middle view as an array, without a copy. width, views: as of preview, whose
+        `info` has the tiles; None: as rendered, and all.
+        """
+        with self._frame({"format": "raw", "width": width, "views": views}) as (file, info):
+            shape = [info["rows"] * info["height"], info["columns"] * info["width"], 3]
+            return memoryview(mmap.mmap(file, 0)).cast("B", shape)
 
     def widget(self, width: int = 420, views: Optional[int] = None, quality: Optional[int] = None) -> Widget:
         """For Jupyter: the image that is shown now. The pointer, a finger or the arrow keys turn it through its views."""
         return Widget(self.preview(width, views, quality), width)
 
     def show(
-        self, array: Any = None, spacing: Any = 1.0, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any
+        self, array: Any = None, spacing: Any = None, scale: Optional[float] = None, *, mesh: Any = None, **keys: Any
     ) -> Dict[str, Any]:
         """Shows an array of (z, y, x) as a volume, or a mesh, in daylight.
 
-        A volume has values that are not negative; float32 is sent as it is. spacing: size of a voxel, a number or (z, y, x).
+        A volume has values that are not negative; float32 is sent as it is, and masked values as 0.
+        spacing: size of a voxel, a number (1) or (z, y, x); a scene document has (x, y, z).
         scale: extinction per unit of length = scale times the value; None: the densest voxels make the volume opaque.
         keys: more keys of a scene's volume, such as albedo=[1, 0.6, 0.4]; emission may be an array of the same shape, or an
         object with one: emission={"array": heat, "scale": 20, "colour": [1, 0.5, 0.2]}.
@@ -234,16 +254,34 @@ class Quiltd:
         """
         if (array is None) == (mesh is None):
             raise ParameterError("show: expected an array of (z, y, x), or mesh=(positions, triangles)")
-        if mesh is not None:
-            return panel.show_mesh(self, mesh, keys)
-        return panel.show_volume(self, array, spacing, scale, keys)
+        if mesh is None:
+            return panel.show_volume(self, array, 1.0 if spacing is None else spacing, scale, keys)
+        for name, value in (("spacing", spacing), ("scale", scale)):
+            if value is not None:
+                raise ParameterError(f"show: {name} is for volumes; scale the positions of a mesh instead")
+        return panel.show_mesh(self, mesh, keys)
 
-    def show_quilt(self, array: Any, columns: int, rows: int, aspect: Optional[float] = None) -> Dict[str, Any]:
-        """Shows an array of (height, width, 3) bytes as a quilt, rows from the top; view 0 is at the bottom left.
+    def show_quilt(
+        self, array: Any, columns: int, rows: int, aspect: Optional[float] = None, views: Optional[int] = None, name: Optional[str] = None
+    ) -> Dict[str, Any]:
+        """Shows an array of (height, width, 3) of uint8 as a quilt, rows from the top; view 0 is at the bottom left.
 
-        aspect: width / height of a view.
+        aspect: width / height of a view. views: how many of the tiles are views; None: all. name: in messages.
         """
-        return panel.show_quilt(self, array, columns, rows, aspect)
+        return panel.show_quilt(self, array, columns, rows, {"aspect": aspect, "views": views, "name": name})
+
+    @contextlib.contextmanager
+    def _frame(self, params: Dict[str, Any]) -> Iterator[Tuple[int, Dict[str, Any]]]:
+        """A file with the result of frame.get, and its answer."""
+        if not self.takes("frame.get"):
+            raise NotSupported('this quiltd has no method frame.get; export("quilt", file="quilt.jpg") gives a whole quilt')
+        if params["width"] is not None:
+            params["width"] = min(params["width"], self.call("status").get("view_width", params["width"]))
+        (file,) = memory.empty_files(1)
+        try:
+            yield file, self.call("frame.get", {name: value for name, value in params.items() if value is not None}, [file])
+        finally:
+            os.close(file)
 
     def _views(self) -> int:
         return self.call("status").get("views", 1)
@@ -293,7 +331,7 @@ class Quiltd:
             if parcels:
                 params = {**params, "arrays": {name: {"shape": list(p.shape), "type": p.kind} for name, p in parcels.items()}}
             for parcel in (parcels or {}).values():
-                sent.append(memory.sealed(parcel.values))
+                sent.append(parcel.sealed())
             return self.call(method, params, [*documents, *passed.values(), *sent])
         finally:
             memory.close_all([*passed.values(), *sent])

@@ -34,7 +34,8 @@ class Group:
     def __getattr__(self, name: str) -> Method:
         methods = self.__dict__.get("_methods", {})
         if name not in methods:
-            raise MethodNotFound(f"this quiltd has no method {self.__dict__.get('_name')}.{name}; it has {', '.join(methods)}")
+            meant = schema.did_you_mean(name, list(methods)) or "; it has " + ", ".join(methods)
+            raise MethodNotFound(f"this quiltd has no method {self.__dict__.get('_name')}.{name}{meant}")
         return methods[name]
 
     def __dir__(self) -> List[str]:

@@ -41,7 +41,8 @@ def _is(value: Any, kind: str) -> bool:
     return isinstance(value, _PYTHON.get(kind, object))
 
 
-def _did_you_mean(word: str, words: Sequence[str]) -> str:
+def did_you_mean(word: str, words: Sequence[str]) -> str:
+    """The end of a message: the nearest of these words, if one is near."""
     near = difflib.get_close_matches(word, words, 1)
     return f'; did you mean "{near[0]}"?' if near else ""
 
@@ -56,7 +57,7 @@ def _value(where: str, value: Any, schema: Schema) -> Any:
         if value in schema.get("refused", {}):
             raise ParameterError(f"{where}: {value} {schema['refused'][value]}")
         if words is not None and value not in words:
-            raise ParameterError(f'{where}: "{value}" is none of {", ".join(map(str, words))}{_did_you_mean(value, list(map(str, words)))}')
+            raise ParameterError(f'{where}: "{value}" is none of {", ".join(map(str, words))}{did_you_mean(value, list(map(str, words)))}')
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
         low, high = schema.get("minimum", -math.inf), schema.get("maximum", math.inf)
         if not low <= value <= high or value not in schema.get("enum", [value]):
@@ -79,7 +80,7 @@ def check(where: str, params: Dict[str, Any], schema: Schema) -> Dict[str, Any]:
         if not isinstance(name, str):
             raise ParameterError(f"{where}: the key {name!r} is no string")
         if name not in known and schema.get("additionalProperties", True) is False:
-            raise ParameterError(f'{where}: unknown parameter "{name}"{_did_you_mean(name, list(known))}')
+            raise ParameterError(f'{where}: unknown parameter "{name}"{did_you_mean(name, list(known))}')
     for name in schema.get("required", []):
         if name not in params:
             raise ParameterError(f'{where}: the parameter "{name}" is missing')

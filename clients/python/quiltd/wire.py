@@ -58,7 +58,7 @@ def open_socket(paths: Sequence[str]) -> socket.socket:
         except OSError as error:
             connection.close()
             reasons.append(f"{path}: {error.strerror or error}")
-    raise NoDaemon("no quiltd answers: " + "; ".join(reasons))
+    raise NoDaemon(f"no quiltd answers ({'; '.join(reasons)}); start one: quiltd SCENE")
 
 
 def plain(value: Any) -> Any:

@@ -29,7 +29,7 @@ METHODS = {
     },
     "scene.patch": {"patch": {"type": "object"}, "files": {"type": "array", "items": TEXT}, "arrays": {"type": "object"}},
     "frame.get": {"format": TEXT, "width": COUNT, "views": COUNT, "quality": COUNT},
-    "quilt.show": {"columns": COUNT, "rows": COUNT, "aspect": NUMBER, "width": COUNT, "height": COUNT},
+    "quilt.show": {"columns": COUNT, "rows": COUNT, "aspect": NUMBER, "width": COUNT, "height": COUNT, "views": COUNT, "name": TEXT},
     "export": {"kind": TEXT, "file": TEXT, "wait": TEXT, "fds": {"type": "integer"}},
     "job.cancel": {"job": {"type": "integer"}},
 }

@@ -166,6 +166,15 @@ class Errors(FakeCase):
             with mock.patch.dict(os.environ, {"QUILTD_SOCKET": "", "XDG_RUNTIME_DIR": "relative"}):
                 self.assertEqual(wire.sockets(), ["/run/quiltd/control.sock"])
 
+    def test_without_a_daemon_the_remedy_is_named(self):
+        with self.assertRaisesRegex(quiltd.NoDaemon, r"^no quiltd answers \(/nowhere/s: No such file or directory\); start one: quiltd"):
+            quiltd.connect("/nowhere/s")
+
+    def test_a_url_is_refused(self):
+        for url in ("http://127.0.0.1:8033/#token", "ws://127.0.0.1:8033/rpc"):
+            with self.assertRaisesRegex(quiltd.ParameterError, "is a URL; Python needs the path of the socket"):
+                quiltd.connect(url)
+
     def test_the_first_socket_that_answers_is_taken(self):
         with mock.patch("quiltd.client.sockets", lambda: [self.fake.path + ".none", self.fake.path]):
             with quiltd.connect() as q:
