@@ -315,7 +315,8 @@ lf_status lf_schema_argument(const json_t *schema, const char *text, json_t *par
 {
     const char *equals = strchr(text, '=');
     if (!equals && json_object_get(json_object_get(schema, "properties"), "file"))
-        return lf_error_set(err, LF_E_ARG, text, "expected key=value; for a file pass file=%s", text);
+        return lf_error_set(err, LF_E_ARG, text, "expected key=value; for a file pass file=%s",
+                            text);
     if (!equals || equals == text)
         return lf_error_set(err, LF_E_ARG, text, "expected key=value or key:=JSON");
     bool raw = equals[-1] == ':';

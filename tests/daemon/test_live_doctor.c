@@ -44,6 +44,20 @@ static void check_last_line(const live *l)
     assert_string_equal(line, n == 0 ? "no problem found\n" : expected);
 }
 
+/* The daemon answers before it has opened its panel. */
+static void wait_for_device(live_client *c)
+{
+    bool present = false;
+    for (int i = 0; i < LIVE_PATIENCE_S * 100 && !present; i++) {
+        json_t *answer = live_call(c, "status", NULL);
+        const json_t *device = json_object_get(json_object_get(answer, "result"), "device");
+        present = json_is_true(json_object_get(device, "present"));
+        json_decref(answer);
+        live_nap(10);
+    }
+    assert_true(present);
+}
+
 static void the_findings_are_those_of_quiltctl(void **state)
 {
     (void)state;
@@ -53,6 +67,7 @@ static void the_findings_are_those_of_quiltctl(void **state)
     live_prepare(&l);
     live_start(&l, NULL, "--device", l.sim, NULL);
     live_connect(&l, &c);
+    wait_for_device(&c);
     json_t *findings = findings_of(live_call(&c, "doctor", NULL)), *finding;
     const int code = live_run(&l, "quiltctl", "--socket", l.socket, "doctor", NULL);
     FILE *log = fopen(l.log, "r");
