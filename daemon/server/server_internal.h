@@ -172,7 +172,7 @@ void lf_server_doctor(lf_call *call);
 /* Drops the call of a client that has left. */
 void lf_server_doctor_end_of(lf_server *server, uint64_t client);
 /* An event of the show: the examination has ended. */
-void lf_server_examined(void *context, void *examination, const lf_error *err);
+void lf_server_examined(void *context, void *ended, const lf_error *err);
 
 /* -------------------------------------------------------------------------- server_buttons.c -- */
 

@@ -103,7 +103,7 @@ static lf_status open_all(const place *places, int n, int *fds, int *out_n, lf_e
 lf_status lf_web_listen_all(const char *const addresses[], int n, int out_fds[LF_WEB_MAX_LISTENERS],
                             int *out_n, lf_error *err)
 {
-    place places[LF_WEB_MAX_LISTENERS];
+    place places[LF_WEB_MAX_LISTENERS] = {0};
     lf_status status = LF_OK;
     for (int i = 0; i < n && status == LF_OK; i++)
         status = read_place(addresses[i], &places[i], err);

@@ -263,9 +263,10 @@ const char *lf_upload_path(const lf_upload *upload)
 /* ------------------------------------------------------------------------------------ taking -- */
 
 static lf_status find_all(const lf_uploads *uploads, const json_t *paths,
-                          lf_upload *out[LF_UPLOADS_A_CALL], lf_error *err)
+                          lf_upload *out[LF_UPLOADS_A_CALL], int *out_n, lf_error *err)
 {
     const size_t n = json_array_size(paths);
+    *out_n = 0;
     if (!json_is_array(paths) || n > LF_UPLOADS_A_CALL)
         return lf_error_set(err, LF_E_ARG, "files", "expects an array of at most %d paths",
                             LF_UPLOADS_A_CALL);
@@ -278,6 +279,7 @@ static lf_status find_all(const lf_uploads *uploads, const json_t *paths,
         for (size_t k = 0; k < i; k++)
             if (out[k] == out[i])
                 return lf_error_set(err, LF_E_ARG, path, "the file stands twice in files");
+        *out_n = (int)i + 1;
     }
     return LF_OK;
 }
@@ -299,9 +301,8 @@ lf_status lf_uploads_take(lf_uploads *uploads, const json_t *paths, const lf_upl
                           int out_fds[LF_UPLOADS_A_CALL], int *out_n, lf_error *err)
 {
     lf_upload *taken[LF_UPLOADS_A_CALL];
-    const int n = (int)json_array_size(paths);
-    int opened = 0;
-    lf_status status = find_all(uploads, paths, taken, err);
+    int n = 0, opened = 0;
+    lf_status status = find_all(uploads, paths, taken, &n, err);
     if (status == LF_OK)
         status = check_passed(uploads, taken, n, passed, err);
     while (status == LF_OK && opened < n) {

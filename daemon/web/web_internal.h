@@ -83,17 +83,16 @@ typedef enum lf_route_needs {
 } lf_route_needs;
 
 typedef struct lf_route {
-    const char *path;
-    bool is_start; /* of longer paths, which are meant */
-    const char *method;
-    lf_route_needs needs;
-    lf_web_lane lane;
-    bool has_body;
+    const char *path, *method;
     /* Each answers the request, or leaves it as it is (check), or suspends it (act). NULL: nothing
      * to do. */
     enum MHD_Result (*check)(lf_request *r);
     enum MHD_Result (*act)(lf_request *r);
     enum MHD_Result (*finish)(lf_request *r);
+    lf_route_needs needs;
+    lf_web_lane lane;
+    bool is_start; /* path is the start of longer ones, which are meant */
+    bool has_body;
 } lf_route;
 
 /* A request that passed the guard. */
