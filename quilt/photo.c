@@ -1,5 +1,6 @@
 #include "quilt/photo.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -203,6 +204,7 @@ static lf_status shrink(const lf_photo_picture *picture, int width, int height, 
 {
     const lf_photo_place whole = {.width = 1, .height = 1};
     const lf_layout to = {.view_width = width, .view_height = height, .aspect = 1};
+    assert(picture->data8 || picture->data32);
     return lf_photo_draw(picture, &whole, &to, 0, out8, out32);
 }
 
