@@ -87,7 +87,9 @@ static bool asks(const lf_server *server, uint64_t client)
 void lf_server_doctor_end_of(lf_server *server, uint64_t client)
 {
     lf_examination *examination = server->life.examination;
-    for (asker **at = examination ? &examination->askers : NULL; at && *at;) {
+    if (!examination)
+        return;
+    for (asker **at = &examination->askers; *at;) {
         asker *a = *at;
         if (lf_deferred_client(a->call) != client) {
             at = &a->next;
