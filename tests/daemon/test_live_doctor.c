@@ -115,6 +115,7 @@ static void every_client_is_answered(void **state)
     json_t *first = NULL;
     for (int i = 0; i < CLIENTS; i++) {
         json_t *findings = findings_of(live_receive(&c[i]));
+        json_array_remove(findings, 0); /* the daemon's own state, which changes at its start */
         if (!first)
             first = json_incref(findings);
         assert_true(json_equal(findings, first));
