@@ -269,16 +269,41 @@ static inline json_t *live_receive(live_client *c)
     }
 }
 
-/* Sends a call and does not wait for its answer. params are taken over (NULL = {}). */
-static inline void live_ask(live_client *c, const char *method, json_t *params)
+/* A call that passes n descriptors, which stay the caller's. params are taken over (NULL = {}). */
+static inline void live_ask_with(live_client *c, const char *method, json_t *params, const int *fds,
+                                 int n)
 {
+    enum { MOST = 100 };
+    union {
+        struct cmsghdr align;
+        char bytes[CMSG_SPACE(MOST * sizeof(int))];
+    } control = {.bytes = {0}};
     json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
                                 method, "params", params ? params : json_object());
     char *text = json_dumps(request, JSON_COMPACT);
+    struct iovec first = {.iov_base = text, .iov_len = 1};
+    struct msghdr message = {.msg_iov = &first, .msg_iovlen = 1};
     json_decref(request);
-    live_send(c, text, strlen(text));
+    assert_true(n <= MOST);
+    if (n > 0) {
+        message.msg_control = &control;
+        message.msg_controllen = CMSG_SPACE((size_t)n * sizeof(int));
+        struct cmsghdr *head = CMSG_FIRSTHDR(&message);
+        head->cmsg_level = SOL_SOCKET;
+        head->cmsg_type = SCM_RIGHTS;
+        head->cmsg_len = CMSG_LEN((size_t)n * sizeof(int));
+        memcpy(CMSG_DATA(head), fds, (size_t)n * sizeof(int));
+    }
+    assert_int_equal(sendmsg(c->fd, &message, MSG_NOSIGNAL), 1);
+    live_send(c, text + 1, strlen(text) - 1);
     live_send(c, "\n", 1);
     free(text);
+}
+
+/* Sends a call and does not wait for its answer. params are taken over (NULL = {}). */
+static inline void live_ask(live_client *c, const char *method, json_t *params)
+{
+    live_ask_with(c, method, params, NULL, 0);
 }
 
 /* The whole answer to what was asked last; notifications are skipped. */

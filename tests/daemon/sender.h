@@ -29,29 +29,7 @@ static inline void end(sender *s)
 static inline json_t *call_with(sender *s, const char *method, json_t *params, const int *fds,
                                 int n)
 {
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(8 * sizeof(int))];
-    } control = {.bytes = {0}};
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++s->c.ids,
-                                "method", method, "params", params);
-    char *text = json_dumps(request, JSON_COMPACT);
-    json_decref(request);
-    struct iovec vector = {.iov_base = text, .iov_len = 1};
-    struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
-    if (n > 0) {
-        message.msg_control = &control;
-        message.msg_controllen = CMSG_SPACE((size_t)n * sizeof(int));
-        struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-        c->cmsg_level = SOL_SOCKET;
-        c->cmsg_type = SCM_RIGHTS;
-        c->cmsg_len = CMSG_LEN((size_t)n * sizeof(int));
-        memcpy(CMSG_DATA(c), fds, (size_t)n * sizeof(int));
-    }
-    assert_int_equal(sendmsg(s->c.fd, &message, MSG_NOSIGNAL), 1);
-    live_send(&s->c, text + 1, strlen(text) - 1);
-    live_send(&s->c, "\n", 1);
-    free(text);
+    live_ask_with(&s->c, method, params, fds, n);
     for (int i = 0; i < n; i++)
         close(fds[i]);
     return live_answer(&s->c);

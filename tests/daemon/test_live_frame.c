@@ -24,28 +24,7 @@ static void got_finish(got *g)
 /* Sends the call with a descriptor (-1: none), and does not wait for its answer. */
 static void ask_with(live_client *c, json_t *params, int fd)
 {
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(sizeof(int))];
-    } control = {.bytes = {0}};
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
-                                "frame.get", "params", params ? params : json_object());
-    char *text = json_dumps(request, JSON_COMPACT);
-    struct iovec vector = {.iov_base = text, .iov_len = strlen(text)};
-    struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
-    json_decref(request);
-    if (fd >= 0) {
-        message.msg_control = &control;
-        message.msg_controllen = sizeof control;
-        struct cmsghdr *head = CMSG_FIRSTHDR(&message);
-        head->cmsg_level = SOL_SOCKET;
-        head->cmsg_type = SCM_RIGHTS;
-        head->cmsg_len = CMSG_LEN(sizeof(int));
-        memcpy(CMSG_DATA(head), &fd, sizeof fd);
-    }
-    assert_int_equal(sendmsg(c->fd, &message, MSG_NOSIGNAL), vector.iov_len);
-    live_send(c, "\n", 1);
-    free(text);
+    live_ask_with(c, "frame.get", params, &fd, fd >= 0 ? 1 : 0);
 }
 
 static int new_memfd(void)

@@ -297,31 +297,10 @@ static int new_memfd(void)
 /* Sends a call with this descriptor (-1: none). */
 static void send_call(live_client *c, const char *file, int width, int fd)
 {
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(sizeof(int))];
-    } control = {.bytes = {0}};
     json_t *params = json_pack("{s:s}", "file", file);
     if (width > 0)
         json_object_set_new(params, "width", json_integer(width));
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
-                                "library.thumbnail", "params", params);
-    char *text = json_dumps(request, JSON_COMPACT);
-    struct iovec vector = {.iov_base = text, .iov_len = strlen(text)};
-    struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
-    json_decref(request);
-    if (fd >= 0) {
-        message.msg_control = &control;
-        message.msg_controllen = sizeof control;
-        struct cmsghdr *head = CMSG_FIRSTHDR(&message);
-        head->cmsg_level = SOL_SOCKET;
-        head->cmsg_type = SCM_RIGHTS;
-        head->cmsg_len = CMSG_LEN(sizeof(int));
-        memcpy(CMSG_DATA(head), &fd, sizeof fd);
-    }
-    assert_int_equal(sendmsg(c->fd, &message, MSG_NOSIGNAL), vector.iov_len);
-    live_send(c, "\n", 1);
-    free(text);
+    live_ask_with(c, "library.thumbnail", params, &fd, fd >= 0 ? 1 : 0);
 }
 
 /* The whole answer. */

@@ -35,28 +35,7 @@ static void end(outside *o)
 static int pass(outside *o, const char *method, json_t *params, const int *fds, int n,
                 const char **out_message)
 {
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(100 * sizeof(int))];
-    } control = {.bytes = {0}};
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++o->c.ids,
-                                "method", method, "params", params);
-    char *text = json_dumps(request, JSON_COMPACT);
-    json_decref(request);
-    struct iovec vector = {.iov_base = text, .iov_len = strlen(text)};
-    struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
-    if (n > 0) {
-        message.msg_control = &control;
-        message.msg_controllen = CMSG_SPACE((size_t)n * sizeof(int));
-        struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-        c->cmsg_level = SOL_SOCKET;
-        c->cmsg_type = SCM_RIGHTS;
-        c->cmsg_len = CMSG_LEN((size_t)n * sizeof(int));
-        memcpy(CMSG_DATA(c), fds, (size_t)n * sizeof(int));
-    }
-    assert_int_equal(sendmsg(o->c.fd, &message, MSG_NOSIGNAL), vector.iov_len);
-    live_send(&o->c, "\n", 1);
-    free(text);
+    live_ask_with(&o->c, method, params, fds, n);
     for (int i = 0; i < n; i++)
         close(fds[i]);
     json_t *answer = live_answer(&o->c);

@@ -2,27 +2,10 @@
  * for, and when. */
 #include "tests/testing.h"
 
-#include "base/thread.h"
 #include "daemon/parts/play.h"
+#include "tests/daemon/own_clock.h"
 
 #define NONE (-1)
-
-static double clock_now, woken_in; /* seconds; below 0: no timer was set */
-
-double __wrap_lf_time_now(void);
-double __wrap_lf_time_now(void)
-{
-    return clock_now;
-}
-
-/* Timers are due at once, and tell how long they are. */
-int __real_sd_event_source_set_time_relative(sd_event_source *source, uint64_t usec);
-int __wrap_sd_event_source_set_time_relative(sd_event_source *source, uint64_t usec);
-int __wrap_sd_event_source_set_time_relative(sd_event_source *source, uint64_t usec)
-{
-    woken_in = (double)usec * 1e-6;
-    return __real_sd_event_source_set_time_relative(source, 0);
-}
 
 typedef struct owner {
     sd_event *event;

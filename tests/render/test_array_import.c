@@ -50,11 +50,7 @@ __attribute__((format(printf, 5, 6))) static lf_status load(lf_passed *passed,
              "{'quiltd': 1, 'camera': {'views': 2, 'position': [0, 0, 90], 'fov_y': 30},"
              " 'lights': {'sky': {'type': 'environment', 'radiance': 1}}, 'volumes': {'v': {%s}}}",
              keys);
-    const lf_roots roots = {.closed = true, .passed = passed};
-    json_t *doc = lf_test_json("test", text);
-    lf_status status = lf_scene_from_json(doc, "", "test", &roots, previous, out, err);
-    json_decref(doc);
-    return status;
+    return scene_with(passed, previous, text, out, err);
 }
 
 static lf_scene *loaded(lf_passed *passed, const lf_scene *previous, const char *volume)

@@ -100,11 +100,7 @@ __attribute__((format(printf, 5, 6))) static lf_status load(lf_passed *passed,
              "            'sun': {'type': 'distant', 'direction': [1, 2, -3], 'irradiance': 2}},"
              " 'meshes': {'m': {%s}}}",
              keys);
-    const lf_roots roots = {.closed = true, .passed = passed};
-    json_t *doc = lf_test_json("test", text);
-    lf_status status = lf_scene_from_json(doc, "", "test", &roots, previous, out, err);
-    json_decref(doc);
-    return status;
+    return scene_with(passed, previous, text, out, err);
 }
 
 static lf_scene *loaded(lf_passed *passed, const lf_scene *previous, const char *mesh)
