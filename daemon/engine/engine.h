@@ -9,6 +9,7 @@
 
 #include "daemon/engine/mailbox.h"
 #include "daemon/engine/states.h"
+#include "daemon/media/player.h"
 #include "daemon/output/blank.h"
 #include "daemon/output/content.h"
 #include "daemon/output/output.h"
@@ -115,6 +116,18 @@ void lf_engine_set_card(lf_engine *engine, const char *words);
 
 void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
 lf_mailbox *lf_engine_mailbox(lf_engine *engine);
+
+/* A video that is shown. Its frames are level converged, and its generation stays. */
+typedef struct lf_movie_status {
+    lf_player_status player;
+    uint64_t shown, dropped; /* shown + dropped = player.due, once the last frame is taken */
+} lf_movie_status;
+
+/* False: no video is shown. After a failure the last frame stays (player.failed). event_fd becomes
+ * readable after a failure, at the end of a round, and with every frame. */
+bool lf_engine_get_movie(lf_engine *engine, lf_movie_status *out);
+/* Pauses the video that is shown, if any, or lets it go on. Another content starts unpaused. */
+void lf_engine_pause_movie(lf_engine *engine, bool paused);
 
 /* A copy of the light field at the end of a batch, for exports. */
 typedef struct lf_snapshot {
