@@ -14,6 +14,7 @@ typedef enum next_step {
     NEXT_STOP,
     NEXT_REQUEST,
     NEXT_CHANGES,
+    NEXT_MOVIE,
     NEXT_RENDER,
     NEXT_SETTLE
 } next_step;
@@ -35,6 +36,8 @@ static next_step next_todo(lf_engine *engine)
         return NEXT_REQUEST;
     if (engine->news.controls || engine->news.panel || engine->news.card)
         return NEXT_CHANGES;
+    if (engine->news.movie)
+        return NEXT_MOVIE;
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
@@ -63,6 +66,8 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
     } else if (what == NEXT_CHANGES) {
         orders->controls = engine->wanted.controls;
         engine->news.controls = false;
+    } else if (what == NEXT_MOVIE) {
+        engine->news.movie = false;
     }
     if (what == NEXT_REQUEST || what == NEXT_CHANGES) {
         orders->panel = engine->wanted.panel;
@@ -86,6 +91,7 @@ static void end(lf_engine *engine)
 {
     if (!engine->spoiled)
         engine_settle(engine);
+    engine_end_movie(engine);
     engine_publish(engine);
     pthread_mutex_lock(&engine->lock);
     engine->life.ended = true;
@@ -142,6 +148,9 @@ static void *engine_main(void *context)
             engine_take_controls(engine, &orders.controls);
             engine_take_panel(engine, &orders.panel);
             engine_take_card(engine, &orders.card);
+            break;
+        case NEXT_MOVIE:
+            engine_take_movie(engine);
             break;
         case NEXT_RENDER:
             engine_batch(engine);
@@ -202,6 +211,7 @@ void engine_publish(lf_engine *engine)
     else if (now.state == LF_STATE_RENDERING)
         now.seconds_left = seconds_left(engine);
     pthread_mutex_lock(&engine->lock);
+    engine->lost = engine->movie.lost;
     bool changed = now.state != engine->status.state ||
                    now.generation != engine->status.generation ||
                    now.level != engine->status.level || now.frames != engine->status.frames;
@@ -403,6 +413,7 @@ void lf_snapshot_finish(lf_snapshot *snapshot)
 {
     lf_content_unref(snapshot->content);
     lf_free(snapshot->film);
+    lf_free(snapshot->frame);
     lf_free(snapshot->beside);
     *snapshot = (lf_snapshot){0};
 }
@@ -412,6 +423,7 @@ void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *control
     pthread_mutex_lock(&engine->lock);
     engine->wanted.controls = *controls;
     engine->news.controls = true;
+    engine_hold_movie(engine);
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }

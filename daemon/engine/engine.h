@@ -133,6 +133,7 @@ void lf_engine_pause_movie(lf_engine *engine, bool paused);
 typedef struct lf_snapshot {
     lf_content *content; /* a reference */
     float *film;         /* [row][view][column][3]; NULL for a quilt picture */
+    uint8_t *frame;      /* of a video: its views; NULL otherwise */
     float *beside;       /* [row][view][column][layers.n]; NULL: no layers */
     lf_layers32 layers;
     const char *names[LF_MAX_LAYER_CHANNELS];

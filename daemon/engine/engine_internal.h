@@ -52,10 +52,19 @@ typedef struct engine_drawn {
     char words[LF_CARD_TEXT];
 } engine_drawn;
 
-/* Which orders have changed. */
+/* Which orders have changed; movie: the video has a frame or other news. */
 typedef struct engine_news {
-    bool controls, panel, card;
+    bool controls, panel, card, movie;
 } engine_news;
+
+/* The video that is shown. */
+typedef struct engine_movie {
+    lf_views8 views; /* of its current frame; data NULL: none */
+    bool is_fresh;   /* views were not posted before */
+    bool is_moving;  /* more frames follow; otherwise it is paused or has ended */
+    bool told;       /* its failure was reported */
+    uint64_t lost;   /* frames that could not be posted */
+} engine_movie;
 
 /* Settings requested by other threads, or in force. */
 typedef struct engine_orders {
@@ -128,6 +137,9 @@ struct lf_engine {
     engine_news news;
     engine_orders wanted;
     lf_engine_status status;
+    lf_player *player; /* of the video that is shown; NULL: none */
+    bool holds_movie;  /* lf_engine_pause_movie */
+    uint64_t lost;     /* movie.lost */
 
     /* owned by the thread; free for all once it has ended */
     engine_orders now;
@@ -148,6 +160,7 @@ struct lf_engine {
     engine_frames frames;
     engine_look look;
     engine_fit fit;
+    engine_movie movie;
 };
 
 /* True if there is work to render. */
@@ -174,6 +187,18 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);
 void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final);
 /* The views to show, and their level. *out_blank: view pixels without a source nearby. */
 lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank);
+/* Pauses the video as requested; under lock. */
+void engine_hold_movie(lf_engine *engine);
+/* Posts a frame of what is shown. final: no other frame follows soon. */
+void engine_post_frame(lf_engine *engine, bool final);
+/* Starts the video of the content that has just been committed, if it is one. */
+void engine_begin_movie(lf_engine *engine);
+/* Ends the video that is shown, if any, before its content is let go. */
+void engine_end_movie(lf_engine *engine);
+/* Shows the newest frame of the video, and reports its failure. */
+void engine_take_movie(lf_engine *engine);
+/* Copies the current frame of the video into a snapshot. */
+lf_status engine_snapshot_movie(const lf_engine *engine, lf_snapshot *out, lf_error *err);
 /* Functions of requests. */
 lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);

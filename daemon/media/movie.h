@@ -23,13 +23,13 @@ typedef struct lf_movie_info {
     double seconds;      /* duration; 0 = unknown */
     int64_t n_frames;    /* as the file says, or from the duration; 0 = unknown */
     lf_movie_matrix matrix;
-    bool is_full;   /* full range, if the pixels do not say it themselves */
     char codec[32]; /* such as "h264" */
 } lf_movie_info;
 
 /* How decoded pictures are cut into views. */
 typedef struct lf_movie_cut {
-    int width, height;           /* of a decoded picture, rotated */
+    int left, top;               /* of the part of a decoded picture that is kept */
+    int width, height;           /* of this part, rotated */
     int orientation;             /* of lf_orient, by which ffmpeg rotates the picture */
     int columns, rows;           /* tiles of the rotated picture */
     int tile_width, tile_height; /* of the rotated picture; views are as large */
