@@ -12,6 +12,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/file.h"
+#include "daemon/media/movie.h"
 #include "daemon/wire/rpc.h"
 #include "quilt/quilt.h"
 #include "render/render.h"
@@ -54,6 +55,8 @@ static const char *kind_of_name(const char *name)
     int columns, rows;
     double aspect;
     const char *image = lf_image_ending(name);
+    if (lf_movie_ending(name))
+        return "video";
     if (image && lf_layout_from_name(name, &columns, &rows, &aspect))
         return "quilt";
     if (image)
