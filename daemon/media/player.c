@@ -125,7 +125,9 @@ static void tell_news(lf_player *player)
 static void fail(lf_player *player, const lf_error *err)
 {
     player->is_over = true;
+    player->is_full = false;
     pthread_mutex_lock(&player->lock);
+    player->waiting = no_slot;
     player->status.failed = true;
     player->status.err = *err;
     pthread_mutex_unlock(&player->lock);
