@@ -57,7 +57,7 @@ static const lf_method methods[] = {
      "scene.load file=/home/me/helmet.glb",
      OBJECT(
          KEY("file", STRING,
-             "path of a scene, model, volume, quilt image or folder of views; quiltctl makes it "
+             "path of a scene, model, volume, quilt image, quilt video or folder of views; quiltctl makes it "
              "absolute") ","
          KEY("scene", "\"type\":\"object\",\"additionalProperties\":true",
              "scene document, instead of file; its paths are absolute") ","

@@ -283,6 +283,31 @@ export interface Calls {
         /** number of entries [count] */
         "entries"?: number;
       } | null;
+      /** the video on display; null: none */
+      "video"?: {
+        /** its file */
+        "file"?: string;
+        /** width of its images [pixels] */
+        "width"?: number;
+        /** height of its images [pixels] */
+        "height"?: number;
+        /** its rate [frames per second] */
+        "fps"?: number;
+        /** position of the current frame [seconds] */
+        "seconds"?: number;
+        /** its length; null: unknown [seconds] */
+        "duration"?: number | null;
+        /** number of the current frame, from 0 in each round [frames] */
+        "frame"?: number;
+        /** frames that the panel took [frames] */
+        "shown"?: number;
+        /** frames that were late, or that the panel did not take [frames] */
+        "dropped"?: number;
+        /** true: it holds the current frame */
+        "paused"?: boolean;
+        /** why it has stopped and holds its last frame; null: it plays */
+        "problem"?: string | null;
+      } | null;
       /** time since the daemon started [seconds] */
       "uptime"?: number;
       /** longest CPU time of the event thread for one event [seconds] */
@@ -292,7 +317,7 @@ export interface Calls {
   /** show a scene file, a model, a volume or a quilt image */
   "scene.load": {
     params: {
-      /** path of a scene, model, volume, quilt image or folder of views; quiltctl makes it absolute */
+      /** path of a scene, model, volume, quilt image, quilt video or folder of views; quiltctl makes it absolute */
       "file"?: string;
       /** scene document, instead of file; its paths are absolute */
       "scene"?: { [key: string]: unknown };
@@ -747,7 +772,7 @@ export interface Calls {
         "name"?: string;
         /** absolute path, for scene.load */
         "path"?: string;
-        /** folder, scene, model, volume, environment, quilt or image */
+        /** folder, scene, model, volume, environment, quilt, video or image */
         "kind"?: string;
         /** size of the file; 0: a folder [bytes] */
         "bytes"?: number;
