@@ -59,6 +59,11 @@ typedef struct engine_news {
 
 /* The video that is shown. */
 typedef struct engine_movie {
+    /* under lock */
+    lf_player *player;  /* NULL: none is shown */
+    bool is_held;       /* lf_engine_pause_movie */
+    uint64_t told_lost; /* `lost`, for others */
+    /* owned by the thread */
     lf_views8 views; /* of its current frame; data NULL: none */
     bool is_fresh;   /* views were not posted before */
     bool is_moving;  /* more frames follow; otherwise it is paused or has ended */
@@ -72,6 +77,12 @@ typedef struct engine_orders {
     engine_panel panel;
     engine_card card;
 } engine_orders;
+
+/* The interlacer for the current panel, and the layout that it was made for. */
+typedef struct engine_lens {
+    lf_interlacer *interlacer; /* NULL: none yet */
+    lf_layout layout;
+} engine_lens;
 
 /* Counts of posted frames; start and cost of the last one. */
 typedef struct engine_frames {
@@ -137,9 +148,6 @@ struct lf_engine {
     engine_news news;
     engine_orders wanted;
     lf_engine_status status;
-    lf_player *player; /* of the video that is shown; NULL: none */
-    bool holds_movie;  /* lf_engine_pause_movie */
-    uint64_t lost;     /* movie.lost */
 
     /* owned by the thread; free for all once it has ended */
     engine_orders now;
@@ -148,9 +156,8 @@ struct lf_engine {
     lf_content *content;
     lf_picture picture;
     lf_schedule schedule;
-    lf_interlacer *interlacer;
-    lf_layout interlaced; /* the layout of interlacer */
-    engine_drawn card;    /* the last one */
+    engine_lens lens;
+    engine_drawn card; /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
@@ -179,6 +186,9 @@ void engine_post_waiting_card(lf_engine *engine);
 /* Posts a card instead of the picture of a scene in which nothing is visible. False: something is
  * visible, or the content is one frame of many. */
 bool engine_post_dark_card(lf_engine *engine, const lf_views8 *views);
+/* The interlacer for the current content and panel; NULL: no panel. A camera move keeps it. */
+const lf_interlacer *engine_interlacer_now(lf_engine *engine);
+void engine_drop_interlacer(lf_engine *engine);
 /* Begins a frame of the current picture. interlaced: its image is as large as the panel; otherwise
  * it has none. NULL = out of memory, which is logged. */
 lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);

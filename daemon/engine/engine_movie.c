@@ -18,9 +18,9 @@ static void on_news(void *context)
 
 void engine_hold_movie(lf_engine *engine)
 {
-    if (!engine->player)
+    if (!engine->movie.player)
         return;
-    lf_player_pause(engine->player, engine->holds_movie || engine->wanted.controls.paused);
+    lf_player_pause(engine->movie.player, engine->movie.is_held || engine->wanted.controls.paused);
     engine->news.movie = true;
 }
 
@@ -65,15 +65,13 @@ void engine_take_movie(lf_engine *engine)
 void engine_begin_movie(lf_engine *engine)
 {
     lf_player *player = engine->content->player;
-    engine->movie = (engine_movie){0};
     lf_mailbox_count(engine->mailbox, engine->generation);
-    if (!player)
-        return;
     pthread_mutex_lock(&engine->lock);
-    engine->player = player;
-    engine->holds_movie = false;
+    engine->movie = (engine_movie){.player = player};
     engine_hold_movie(engine);
     pthread_mutex_unlock(&engine->lock);
+    if (!player)
+        return;
     if (lf_player_start(player, on_news, engine) != LF_OK)
         lf_log(LF_LOG_ERROR, "%s: out of memory for a thread; only the first frame is shown",
                engine->content->file);
@@ -83,9 +81,9 @@ void engine_begin_movie(lf_engine *engine)
 
 void engine_end_movie(lf_engine *engine)
 {
-    lf_player *player = engine->player;
+    lf_player *player = engine->movie.player;
     pthread_mutex_lock(&engine->lock);
-    engine->player = NULL;
+    engine->movie.player = NULL;
     engine->news.movie = false;
     pthread_mutex_unlock(&engine->lock);
     if (player)
@@ -112,12 +110,12 @@ lf_status engine_snapshot_movie(const lf_engine *engine, lf_snapshot *out, lf_er
 bool lf_engine_get_movie(lf_engine *engine, lf_movie_status *out)
 {
     pthread_mutex_lock(&engine->lock);
-    const bool shown = engine->player;
+    const bool shown = engine->movie.player;
     if (shown) {
-        lf_player_get_status(engine->player, &out->player);
+        lf_player_get_status(engine->movie.player, &out->player);
         const lf_mailbox_counts counts = lf_mailbox_counted(engine->mailbox);
         out->shown = counts.taken;
-        out->dropped = out->player.dropped + counts.replaced + engine->lost;
+        out->dropped = out->player.dropped + counts.replaced + engine->movie.told_lost;
     }
     pthread_mutex_unlock(&engine->lock);
     return shown;
@@ -126,7 +124,7 @@ bool lf_engine_get_movie(lf_engine *engine, lf_movie_status *out)
 void lf_engine_pause_movie(lf_engine *engine, bool paused)
 {
     pthread_mutex_lock(&engine->lock);
-    engine->holds_movie = paused;
+    engine->movie.is_held = paused;
     engine_hold_movie(engine);
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);

@@ -115,39 +115,6 @@ lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank)
     return views;
 }
 
-static void drop_interlacer(lf_engine *engine)
-{
-    lf_interlacer_destroy(engine->interlacer);
-    engine->interlacer = NULL;
-}
-
-static bool same_views(const lf_layout *a, const lf_layout *b)
-{
-    return a->n_views == b->n_views && a->view_width == b->view_width &&
-           a->view_height == b->view_height && a->aspect == b->aspect;
-}
-
-/* The interlacer for the current content and panel; NULL: no panel. A camera move keeps it. */
-static const lf_interlacer *interlacer_now(lf_engine *engine)
-{
-    const lf_layout *layout = &engine->content->layout;
-    if (engine->interlacer && !same_views(layout, &engine->interlaced))
-        drop_interlacer(engine);
-    if (!engine->interlacer && engine->now.panel.present) {
-        lf_error err;
-        engine->interlaced = *layout;
-        lf_status status =
-            lf_interlacer_create(&engine->now.panel.calibration, layout->n_views,
-                                 layout->view_width, layout->view_height, layout->aspect,
-                                 LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->interlacer, &err);
-        if (status != LF_OK) {
-            lf_log_error(&err);
-            engine->now.panel.present = false;
-        }
-    }
-    return engine->interlacer;
-}
-
 /* Adds the CPU time since *from, and sets *from to now. */
 static void take_time(double *sum, double *from)
 {
@@ -248,7 +215,7 @@ void engine_post_frame(lf_engine *engine, bool final)
     engine->frames.shows = !engine_post_dark_card(engine, &views);
     if (!engine->frames.shows)
         return;
-    const lf_interlacer *interlacer = interlacer_now(engine);
+    const lf_interlacer *interlacer = engine_interlacer_now(engine);
     lf_frame *frame = engine_begin_frame(engine, interlacer);
     if (!frame)
         return;
@@ -447,7 +414,7 @@ void engine_take_panel(lf_engine *engine, const engine_panel *panel)
     if (panel->number != engine->now.panel.number) {
         engine->now.panel = *panel;
         engine->owed = true;
-        drop_interlacer(engine);
+        engine_drop_interlacer(engine);
         engine_post_waiting_card(engine);
     }
 }
