@@ -226,7 +226,7 @@ static void ffmpeg_gets_the_file_and_nothing_else(void **state)
         {"echo $* | grep -o -e '-protocol_whitelist file -f mov -i /dev/fd/3'",
          "-protocol_whitelist file -f mov -i /dev/fd/3"},
         {"readlink /proc/$$/fd/3 | sed 's,.*/,,'", "v.mp4"},
-        {"echo /proc/$$/fd/[4-9] | sed 's,/proc/[0-9]*,,'", "/fd/[4-9]"},
+        {"set -- /proc/$$/fd/[4-9]; echo \"${1##*/}\"", "[4-9]"},
         {"echo \"file $(ulimit -f) core $(ulimit -c) open $(ulimit -n)\"",
          "file 128 core 0 open 64"},
         {"echo secret=$SECRET home=$HOME", "secret= home="},
