@@ -126,9 +126,20 @@ static enum MHD_Result act_page(lf_request *r)
     return lf_reply_page(r->connection, lf_page_find(r->path));
 }
 
+/* A program, or a page that asks its user for access, looks whether somebody is there. */
+static enum MHD_Result act_alive(lf_request *r)
+{
+    return lf_reply_text(r->connection, 200, "quiltweb");
+}
+
+static enum MHD_Result act_options(lf_request *r)
+{
+    return lf_reply_options(r->connection);
+}
+
 static enum MHD_Result act_login(lf_request *r)
 {
-    return lf_reply_cookie(r->connection, &r->web->guard, r->secure);
+    return lf_reply_cookie(r->connection, &r->web->doors[r->door].guard, r->secure);
 }
 
 static enum MHD_Result act_status(lf_request *r)
@@ -203,7 +214,7 @@ static void write_metrics(lf_request *r, const json_t *status, FILE *out)
 {
     lf_web *web = r->web;
     lf_web_counts counts = web->counts;
-    counts.websockets = web->n_seats;
+    counts.websockets = lf_seats_count(web);
     counts.streams = web->n_streams;
     counts.upload_files = lf_uploads_count(web->uploads);
     counts.upload_bytes = lf_uploads_bytes(web->uploads);
@@ -233,6 +244,7 @@ static enum MHD_Result finish_metrics(lf_request *r)
 /* ------------------------------------------------------------------------------------- paths -- */
 
 static const lf_route page_route = {.act = act_page};
+static const lf_route options_route = {.act = act_options};
 
 static const lf_route routes[] = {
     {.path = "/api/login", .method = "POST", .needs = LF_NEEDS_TOKEN, .act = act_login},
@@ -271,19 +283,22 @@ static const lf_route routes[] = {
     {.path = "/api/upload",
      .method = "PUT",
      .needs = LF_NEEDS_TO_WRITE,
-     .has_body = true,
+     .take = lf_put_take,
      .check = lf_put_check_upload,
      .act = lf_put_upload},
     {.path = "/api/quilt",
      .method = "PUT",
      .needs = LF_NEEDS_TO_WRITE,
      .lane = LF_LANE_QUILTS,
-     .has_body = true,
+     .take = lf_put_take,
      .check = lf_put_check_quilt,
      .act = lf_put_quilt,
      .finish = lf_put_quilt_shown},
     /* it looks at the secrets itself */
-    {.path = "/rpc", .method = "GET", .act = lf_seats_answer},
+    {.path = "/rpc", .method = "GET", .act = lf_sessions_answer},
+    {.door = LF_DOOR_BRIDGE, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_EVENTS, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = act_alive},
 };
 
 enum { N_ROUTES = sizeof routes / sizeof routes[0] };
@@ -295,17 +310,20 @@ static bool leads(const lf_route *route, const char *path)
                            : strcmp(route->path, path) == 0;
 }
 
-const lf_route *lf_route_find(const char *path, const char *method, unsigned *out_status)
+const lf_route *lf_route_find(lf_door door, const char *path, const char *method,
+                              unsigned *out_status)
 {
-    const bool page = lf_page_find(path);
+    const bool page = door == LF_DOOR_PAGE && lf_page_find(path);
     *out_status = page ? 405 : 404;
     if (page && (strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0))
         return &page_route;
     for (int i = 0; i < N_ROUTES; i++) {
-        if (!leads(&routes[i], path))
+        if (routes[i].door != door || !leads(&routes[i], path))
             continue;
         if (strcmp(routes[i].method, method) == 0)
             return &routes[i];
+        if (door != LF_DOOR_PAGE && strcmp(method, "OPTIONS") == 0)
+            return &options_route;
         *out_status = 405;
     }
     return NULL;
