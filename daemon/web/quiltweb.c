@@ -23,8 +23,6 @@
 #define EVENTS_PORT 9724
 #define WEBXR_PORT 11222
 #define MAX_UPLOAD_MIB 65536
-#define TEXT_OF(number) #number
-#define TEXT(number) TEXT_OF(number)
 
 enum {
     OPTION_SOCKET = LF_OPTION_OWN,
@@ -64,44 +62,31 @@ typedef struct arguments {
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
-        "                [--public ORIGIN] [--upload-limit MIB]\n"
-        "                [--bridge[=PORT,PORT]] [--webxr[=PORT]] [--allow-origin ORIGIN]\n"
-        "Show what quiltd shows in a browser of this machine, and steer it there.\n"
-        "Prints the URL of the page, with a token that opens it.\n"
-        "\n"
-        "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
-        "quiltd.sock,\n"
-        "                         /run/quiltd/control.sock)\n"
-        "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
-        "                         given for both (port " TEXT(
-            PAGE_PORT) " of both)\n"
-                       "  --public ORIGIN        the page is reached as https://NAME, through a "
-                       "server with TLS\n"
-                       "                         on this machine that keeps the Host header\n"
-                       "  --url-file FILE        write the URL into this file instead of printing "
-                       "it\n"
-                       "  --until-input-ends     exit when standard input is closed\n"
-                       "  --bridge[=PORT,PORT]   answer programs that speak to Looking Glass "
-                       "Bridge: requests,\n"
-                       "                         and events (" TEXT(BRIDGE_PORT) "," TEXT(
-                           EVENTS_PORT) ")\n"
-                                        "  --webxr[=PORT]         answer WebXR pages (" TEXT(
-                                            WEBXR_PORT) ")\n"
-                                                        "  --allow-origin ORIGIN  let pages of "
-                                                        "ORIGIN ask there; may be repeated;\n"
-                                                        "                         "
-                                                        "http://localhost:* is any port of this "
-                                                        "machine (none)\n"
-                                                        "  --upload-limit MIB     memory of all "
-                                                        "uploads together, 1 to " TEXT(
-                                                            MAX_UPLOAD_MIB) "\n"
-                                                                            "                      "
-                                                                            "   (" TEXT(
-                                                                                LF_WEB_UPLOAD_LIMIT_MIB) ")\n"
-                                                                                                         "\n" LF_OPTIONS_HELP_LAST
-                                                                                                             LF_OPTIONS_HELP_SHELLS);
+    printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
+           "                [--public ORIGIN] [--upload-limit MIB]\n"
+           "                [--bridge[=PORT,PORT]] [--webxr[=PORT]] [--allow-origin ORIGIN]\n"
+           "Show what quiltd shows in a browser of this machine, and steer it there.\n"
+           "Prints the URL of the page, with a token that opens it.\n"
+           "\n"
+           "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
+           "quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
+           "                         given for both (127.0.0.1:%d and [::1]:%d)\n"
+           "  --public ORIGIN        the page is reached as https://NAME, through a server with\n"
+           "                         TLS on this machine that keeps the Host header\n"
+           "  --url-file FILE        write the URL into this file instead of printing it\n"
+           "  --until-input-ends     exit when standard input is closed\n"
+           "  --upload-limit MIB     memory of all uploads together, 1 to %d\n"
+           "                         (%d)\n",
+           PAGE_PORT, PAGE_PORT, MAX_UPLOAD_MIB, LF_WEB_UPLOAD_LIMIT_MIB);
+    printf("  --bridge[=PORT,PORT]   answer programs that speak to Looking Glass Bridge: requests\n"
+           "                         and events (%d,%d)\n"
+           "  --webxr[=PORT]         answer WebXR pages (%d)\n"
+           "  --allow-origin ORIGIN  let pages of ORIGIN ask there; may be repeated;\n"
+           "                         http://localhost:* is any port of this machine (none)\n"
+           "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
+           BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT);
 }
 
 /* "PORT", or "PORT,PORT" for two doors. */
