@@ -15,8 +15,8 @@ static const char where[] = "bin";
 
 struct lf_bin {
     lf_bins *bins;
-    int fd;            /* -1: no byte came, or it has failed */
-    uint64_t n;        /* bytes taken, which the common limit counts */
+    int fd;     /* -1: no byte came, or it has failed */
+    uint64_t n; /* bytes taken, which the common limit counts */
     uint8_t magic[MAGIC];
     lf_bmp *bmp; /* NULL: not a bitmap */
     int width, height;

@@ -62,9 +62,9 @@ static bool has_usual_masks(const lf_bmp *bmp)
 static lf_status check_kind(const lf_bmp *bmp, lf_error *err)
 {
     const uint32_t bits = word_at(bmp, BITS_AT) & 0xffff, method = word_at(bmp, METHOD_AT);
-    const bool known = (bits == 24 && method == UNCOMPRESSED) ||
-                       (bits == 32 && (method == UNCOMPRESSED ||
-                                       (method == BIT_FIELDS && has_usual_masks(bmp))));
+    const bool known =
+        (bits == 24 && method == UNCOMPRESSED) ||
+        (bits == 32 && (method == UNCOMPRESSED || (method == BIT_FIELDS && has_usual_masks(bmp))));
     if (memcmp(bmp->head, "BM", 2) != 0 || word_at(bmp, INFO_AT) < MIN_INFO || !known)
         return lf_error_set(err, LF_E_FORMAT, where,
                             "expects 24 or 32 bits per pixel without compression");
@@ -117,8 +117,8 @@ static lf_status write_row(lf_bmp *bmp, lf_error *err)
         bmp->rgb[3 * x + 2] = bgr[0];
     }
     for (size_t done = 0; done < n;) {
-        const ssize_t more = pwrite(bmp->fd, bmp->rgb + done, n - done,
-                                    (off_t)((size_t)y * n + done));
+        const ssize_t more =
+            pwrite(bmp->fd, bmp->rgb + done, n - done, (off_t)((size_t)y * n + done));
         if (more <= 0)
             return lf_error_set(err, LF_E_IO, where, "cannot keep the pixels: %s",
                                 lf_errno_text(errno));

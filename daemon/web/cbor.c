@@ -24,14 +24,14 @@ typedef struct level {
 struct lf_cbor {
     lf_cbor_bin_fn bin;
     void *context;
-    lf_error failed;  /* its status is LF_OK until something fails */
-    uint8_t head[9];  /* of the next item */
-    size_t n_head;    /* bytes of it that are there */
-    int string;       /* BYTES or TEXT: a string is read; else -1 */
-    bool chunked;     /* … in chunks of its own lengths … */
-    bool in_chunk;    /* … of which one is read */
-    uint64_t left;    /* bytes of the string, or chunk, that follow */
-    char *text;       /* [n_text] of the string; NULL: nothing yet */
+    lf_error failed; /* its status is LF_OK until something fails */
+    uint8_t head[9]; /* of the next item */
+    size_t n_head;   /* bytes of it that are there */
+    int string;      /* BYTES or TEXT: a string is read; else -1 */
+    bool chunked;    /* … in chunks of its own lengths … */
+    bool in_chunk;   /* … of which one is read */
+    uint64_t left;   /* bytes of the string, or chunk, that follow */
+    char *text;      /* [n_text] of the string; NULL: nothing yet */
     size_t n_text;
     uint64_t n_bin;
     size_t all_text; /* bytes of all texts */
@@ -374,7 +374,7 @@ static lf_status take_head(lf_cbor *cbor, uint8_t byte)
     return take_item(cbor, cbor->head[0] >> 5, info, more == 0 ? (uint64_t)info : n);
 }
 
-lf_status lf_cbor_take(lf_cbor *cbor, const uint8_t *data, size_t n, lf_error *err)
+void lf_cbor_take(lf_cbor *cbor, const uint8_t *data, size_t n)
 {
     lf_status status = cbor->failed.status;
     for (size_t at = 0, used = 1; at < n && status == LF_OK; at += used) {
@@ -384,9 +384,6 @@ lf_status lf_cbor_take(lf_cbor *cbor, const uint8_t *data, size_t n, lf_error *e
         else
             status = take_head(cbor, data[at]);
     }
-    if (status != LF_OK && err)
-        *err = cbor->failed;
-    return status;
 }
 
 lf_status lf_cbor_finish(lf_cbor *cbor, json_t **out, lf_error *err)
@@ -405,7 +402,11 @@ lf_status lf_cbor_finish(lf_cbor *cbor, json_t **out, lf_error *err)
 
 static void write_head(FILE *out, int major, uint64_t n)
 {
-    const int size = n < 24 ? 0 : n <= UINT8_MAX ? 1 : n <= UINT16_MAX ? 2 : n <= UINT32_MAX ? 4 : 8;
+    const int size = n < 24            ? 0
+                     : n <= UINT8_MAX  ? 1
+                     : n <= UINT16_MAX ? 2
+                     : n <= UINT32_MAX ? 4
+                                       : 8;
     const int info = size == 0 ? (int)n : size == 1 ? 24 : size == 2 ? 25 : size == 4 ? 26 : 27;
     fputc(major << 5 | info, out);
     for (int i = size - 1; i >= 0; i--)
@@ -427,9 +428,9 @@ static void write_real(FILE *out, double number)
         fputc((int)(bits >> 8 * i & 255), out);
 }
 
-static bool write_value(FILE *out, const json_t *value, int depth);
+static bool write_value(FILE *out, json_t *value, int depth);
 
-static bool write_array(FILE *out, const json_t *value, int depth)
+static bool write_array(FILE *out, json_t *value, int depth)
 {
     bool written = true;
     write_head(out, ARRAY, json_array_size(value));
@@ -438,22 +439,21 @@ static bool write_array(FILE *out, const json_t *value, int depth)
     return written;
 }
 
-static bool write_map(FILE *out, const json_t *value, int depth)
+static bool write_map(FILE *out, json_t *value, int depth)
 {
-    json_t *map = json_copy((json_t *)value), *member; /* json_object_foreach wants no const */
+    json_t *member;
     const char *key;
-    bool written = map;
-    write_head(out, MAP, json_object_size(map));
-    json_object_foreach(map, key, member)
+    bool written = true;
+    write_head(out, MAP, json_object_size(value));
+    json_object_foreach(value, key, member)
     {
         write_text(out, key, strlen(key));
         written = written && write_value(out, member, depth);
     }
-    json_decref(map);
     return written;
 }
 
-static bool write_value(FILE *out, const json_t *value, int depth)
+static bool write_value(FILE *out, json_t *value, int depth)
 {
     const json_int_t n = json_integer_value(value);
     switch (value && depth <= LF_CBOR_MAX_DEPTH ? (int)json_typeof(value) : -1) {
@@ -480,7 +480,7 @@ static bool write_value(FILE *out, const json_t *value, int depth)
     }
 }
 
-lf_status lf_cbor_write(const json_t *value, uint8_t **out_data, size_t *out_n)
+lf_status lf_cbor_write(json_t *value, uint8_t **out_data, size_t *out_n)
 {
     char *data = NULL;
     size_t n = 0;

@@ -26,17 +26,17 @@ LF_NODISCARD lf_status lf_cbor_create(lf_cbor_bin_fn bin, void *context, lf_cbor
 /* Accepts NULL. */
 void lf_cbor_destroy(lf_cbor *cbor);
 
-/* Takes the next data[n] of the message. After a failure the rest is skipped, and every call fails
- * as the first did. LF_E_FORMAT: not CBOR, a limit above is exceeded, or JSON has no such value: a
- * key that is no text or stands twice, a byte string other than `bin`, a text with a zero byte, a
- * number that is not finite. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_cbor_take(lf_cbor *cbor, const uint8_t *data, size_t n, lf_error *err);
+/* Takes the next data[n] of the message. After a failure, which lf_cbor_finish reports, the rest is
+ * skipped. */
+void lf_cbor_take(lf_cbor *cbor, const uint8_t *data, size_t n);
 /* The message has ended: its value, a new reference, in which `bin` is the number of its bytes.
- * Tags are left out; undefined is null. LF_E_FORMAT: it ended too early; errors of lf_cbor_take. */
+ * Tags are left out; undefined is null. LF_E_FORMAT: not one whole value in CBOR, a limit above is
+ * exceeded, or JSON has no such value: a key that is no text or stands twice, a byte string other
+ * than `bin`, a text with a zero byte, a number that is not finite. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_cbor_finish(lf_cbor *cbor, json_t **out, lf_error *err);
 
 /* Writes a value: *out_data[*out_n], which the caller frees by free(). LF_E_ARG: NULL, or deeper
  * than LF_CBOR_MAX_DEPTH; LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_cbor_write(const json_t *value, uint8_t **out_data, size_t *out_n);
+LF_NODISCARD lf_status lf_cbor_write(json_t *value, uint8_t **out_data, size_t *out_n);
 
 #endif

@@ -16,7 +16,8 @@ enum { VIEWS = LF_DEMO_COLUMNS * LF_DEMO_ROWS };
 /* A bar, in shares of a view's width. */
 typedef struct bar {
     double middle, half;
-    double nearness; /* it moves so far from the first view to the middle one; before the glass: > 0 */
+    double
+        nearness; /* it moves so far from the first view to the middle one; before the glass: > 0 */
     uint8_t rgb[3];
 } bar;
 

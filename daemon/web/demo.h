@@ -6,7 +6,8 @@
 
 enum { LF_DEMO_COLUMNS = 8, LF_DEMO_ROWS = 6, LF_DEMO_WIDTH = 960, LF_DEMO_HEIGHT = 960 };
 
-/* Three bars: before the glass, in it and behind it. The caller closes *out_fd. LF_E_IO, LF_E_NOMEM.
+/* Three bars: before the glass, in it and behind it. The caller closes *out_fd. LF_E_IO,
+ * LF_E_NOMEM.
  */
 LF_NODISCARD lf_status lf_demo_bars(int *out_fd, lf_error *err);
 /* One black pixel. The caller closes *out_fd. LF_E_IO. */

@@ -25,8 +25,8 @@ lf_status lf_driver_create(const lf_driver_config *config, lf_driver **out, lf_e
                           .socket = socket,
                           .version = version,
                           .panel_only = config->panel_only};
-    driver->bins = (lf_bins){
-        .limit = config->image_limit, .make_room = lf_cache_make_room, .context = driver};
+    driver->bins =
+        (lf_bins){.limit = config->image_limit, .make_room = lf_cache_make_room, .context = driver};
     *out = driver;
     return LF_OK;
 }
@@ -78,7 +78,7 @@ static void forget_message(lf_driver_client *client)
 }
 
 /* The header, and the answer in CBOR. */
-static void send_answer(lf_driver_client *client, const json_t *answer)
+static void send_answer(lf_driver_client *client, json_t *answer)
 {
     uint8_t *body = NULL;
     size_t n = 0;
@@ -98,8 +98,8 @@ static void send_answer(lf_driver_client *client, const json_t *answer)
 
 void lf_driver_answer(lf_driver_client *client, json_t *answer)
 {
-    json_t *whole = json_pack("{s:i, s:s}", "error", LF_DRIVER_NONE, "version",
-                              client->driver->version);
+    json_t *whole =
+        json_pack("{s:i, s:s}", "error", LF_DRIVER_NONE, "version", client->driver->version);
     if (whole && answer)
         json_object_update(whole, answer);
     client->driver->n_commands++;
@@ -121,7 +121,8 @@ void lf_driver_fail(lf_driver_client *client, lf_driver_error error, const char 
     lf_driver_answer(client, answer);
 }
 
-/* ---------------------------------------------------------------------------- calls of quiltd -- */
+/* ---------------------------------------------------------------------------- calls of quiltd --
+ */
 
 static void on_fetched(void *context)
 {
@@ -157,8 +158,9 @@ lf_status lf_driver_result(lf_driver_client *client, const json_t **out_result, 
 static void begin_command(lf_driver_client *client)
 {
     lf_error err = {0};
-    lf_status status = client->cbor ? lf_cbor_finish(client->cbor, &client->message, &err)
-                                    : lf_error_set(&err, LF_E_FORMAT, "CBOR", "the message is empty");
+    lf_status status = client->cbor
+                           ? lf_cbor_finish(client->cbor, &client->message, &err)
+                           : lf_error_set(&err, LF_E_FORMAT, "CBOR", "the message is empty");
     if (status != LF_OK) {
         lf_driver_fail(client, status == LF_E_NOMEM ? LF_DRIVER_FAILED : LF_DRIVER_BAD_CBOR,
                        err.what, NULL);
@@ -209,7 +211,7 @@ static lf_status take_now(lf_driver_client *client, const uint8_t *data, size_t 
         return LF_OK;
     if (!client->cbor && lf_cbor_create(on_bin, client, &client->cbor) != LF_OK)
         return LF_E_NOMEM;
-    (void)lf_cbor_take(client->cbor, data + used, n - used, NULL);
+    lf_cbor_take(client->cbor, data + used, n - used);
     return LF_OK;
 }
 

@@ -38,9 +38,9 @@ typedef struct lf_driver_client lf_driver_client; /* one that talks */
 
 typedef struct lf_driver_config {
     sd_event *event;
-    const char *socket;           /* path of quiltd's */
-    const char *version;          /* that init and info say */
-    uint64_t image_limit;         /* bytes of one image (bin.h) */
+    const char *socket;        /* path of quiltd's */
+    const char *version;       /* that init and info say */
+    uint64_t image_limit;      /* bytes of one image (bin.h) */
     lf_panel_only *panel_only; /* borrowed; NULL: quiltd keeps its panel */
 } lf_driver_config;
 

@@ -51,8 +51,7 @@ static void go_on_info(lf_driver_client *client)
     else if (status != LF_OK)
         lf_driver_fail(client, LF_DRIVER_FAILED, err.what, json_pack("{s:[]}", "devices"));
     else if (client->calibration)
-        answer_info(client,
-                    lf_panel_info(client->calibration, json_object_get(result, "device")));
+        answer_info(client, lf_panel_info(client->calibration, json_object_get(result, "device")));
     else {
         client->calibration = json_deep_copy(result);
         lf_driver_ask(client, "status", NULL, -1, ASK_S);
@@ -153,12 +152,11 @@ static void ask_show_own(lf_driver_client *client, bool demo)
         lf_driver_fail(client, LF_DRIVER_FAILED, err.what, NULL);
         return;
     }
-    json_t *params =
-        demo ? json_pack("{s:i, s:i, s:i, s:i, s:s}", "columns", LF_DEMO_COLUMNS, "rows",
-                         LF_DEMO_ROWS, "width", LF_DEMO_WIDTH, "height", LF_DEMO_HEIGHT, "name",
-                         "demo")
-             : json_pack("{s:i, s:i, s:i, s:i, s:s}", "columns", 1, "rows", 1, "width", 1,
-                         "height", 1, "name", "black");
+    json_t *params = demo ? json_pack("{s:i, s:i, s:i, s:i, s:s}", "columns", LF_DEMO_COLUMNS,
+                                      "rows", LF_DEMO_ROWS, "width", LF_DEMO_WIDTH, "height",
+                                      LF_DEMO_HEIGHT, "name", "demo")
+                          : json_pack("{s:i, s:i, s:i, s:i, s:s}", "columns", 1, "rows", 1, "width",
+                                      1, "height", 1, "name", "black");
     lf_driver_ask(client, "quilt.show", params, fd, SHOW_S);
     close(fd);
 }
@@ -167,22 +165,21 @@ static void ask_show_own(lf_driver_client *client, bool demo)
 static bool take_bin(lf_driver_client *client)
 {
     lf_error err = {0};
-    lf_status status = client->bin ? lf_bin_finish(client->bin, &err)
-                                   : lf_error_set(&err, LF_E_ARG, "bin",
-                                                  "the message has no image");
+    lf_status status = client->bin
+                           ? lf_bin_finish(client->bin, &err)
+                           : lf_error_set(&err, LF_E_ARG, "bin", "the message has no image");
     if (status == LF_OK)
         return true;
-    lf_driver_fail(client,
-                   status == LF_E_ARG || status == LF_E_FORMAT ? LF_DRIVER_NO_IMAGE
-                                                               : LF_DRIVER_FAILED,
-                   err.what, NULL);
+    lf_driver_fail(
+        client, status == LF_E_ARG || status == LF_E_FORMAT ? LF_DRIVER_NO_IMAGE : LF_DRIVER_FAILED,
+        err.what, NULL);
     return false;
 }
 
 static const char *name_of(const lf_driver_client *client)
 {
-    const char *name = json_string_value(
-        json_object_get(json_object_get(client->params, "quilt"), "name"));
+    const char *name =
+        json_string_value(json_object_get(json_object_get(client->params, "quilt"), "name"));
     return name ? name : json_string_value(json_object_get(client->params, "name"));
 }
 
@@ -222,9 +219,10 @@ static void go_on_show(lf_driver_client *client)
     if (lf_driver_result(client, &result, &code, &err) == LF_OK)
         lf_driver_answer(client, json_object());
     else
-        lf_driver_fail(client, code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
-                                   ? LF_DRIVER_NO_IMAGE
-                                   : LF_DRIVER_FAILED,
+        lf_driver_fail(client,
+                       code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
+                           ? LF_DRIVER_NO_IMAGE
+                           : LF_DRIVER_FAILED,
                        err.what, NULL);
 }
 

@@ -59,15 +59,14 @@ struct lf_command {
     /* Each calls lf_driver_answer, lf_driver_fail or lf_driver_ask. */
     void (*begin)(lf_driver_client *client);
     void (*go_on)(lf_driver_client *client); /* NULL: it asks nothing */
-    bool shows; /* not with --panel-only */
+    bool shows;                              /* not with --panel-only */
 };
 
 /* driver.c */
 /* Ends the command. answer: taken; {error: 0} and version are added. NULL: out of memory. */
 void lf_driver_answer(lf_driver_client *client, json_t *answer);
 /* Ends the command with an error, in the log, too. more: taken, further keys; NULL: none. */
-void lf_driver_fail(lf_driver_client *client, lf_driver_error error, const char *why,
-                    json_t *more);
+void lf_driver_fail(lf_driver_client *client, lf_driver_error error, const char *why, json_t *more);
 /* Calls quiltd, and `go_on` follows; or the command fails. params: taken. fd: kept; -1: none. */
 void lf_driver_ask(lf_driver_client *client, const char *method, json_t *params, int fd,
                    unsigned patience_s);

@@ -35,10 +35,10 @@ typedef struct peer {
     bool greeted;
     uint8_t head[HEAD]; /* or greeting */
     size_t n_head;
-    bool inside;     /* a message, of which … */
-    uint64_t left;   /* … so many bytes follow */
-    uint8_t *out;    /* [MAX_OUT] */
-    size_t n_out;    /* bytes of it that wait */
+    bool inside;   /* a message, of which … */
+    uint64_t left; /* … so many bytes follow */
+    uint8_t *out;  /* [MAX_OUT] */
+    size_t n_out;  /* bytes of it that wait */
     bool paused;
 } peer;
 
@@ -75,8 +75,8 @@ static void drop(peer *gone)
 static void listen_for(peer *p)
 {
     sd_event_source_set_enabled(p->io, p->paused && p->n_out == 0 ? SD_EVENT_OFF : SD_EVENT_ON);
-    sd_event_source_set_io_events(p->io, (p->paused ? 0u : EPOLLIN) |
-                                             (p->n_out > 0 ? EPOLLOUT : 0u));
+    sd_event_source_set_io_events(p->io,
+                                  (p->paused ? 0u : EPOLLIN) | (p->n_out > 0 ? EPOLLOUT : 0u));
 }
 
 /* False: the connection broke. */

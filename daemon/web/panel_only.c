@@ -23,27 +23,11 @@ struct lf_panel_only {
     char *socket;
     lf_link *link; /* NULL: not connected */
     json_t *rights;
-    sd_event_source *again; /* on: quiltd is asked once more */
-    int step;               /* whose answer is awaited; STEPS: the panel is lent */
+    sd_event_source *again;               /* on: quiltd is asked once more */
+    int step;                             /* whose answer is awaited; STEPS: the panel is lent */
     json_t *device, *calibration, *found; /* found: the device, until it is lent */
-    bool told; /* that there is no quiltd or panel */
+    bool told;                            /* that there is no quiltd or panel */
 };
-
-static void ask(lf_panel_only *lent, int step)
-{
-    json_t *params = step == LEND ? json_pack("{s:s, s:b}", "spec", "none", "lend", 1)
-                                  : json_object();
-    char id[sizeof ID + 2];
-    snprintf(id, sizeof id, ID "%d", step);
-    json_t *message = json_pack("{s:s, s:s, s:s, s:o}", "jsonrpc", "2.0", "id", id, "method",
-                                methods[step], "params", params);
-    char *line = message ? json_dumps(message, JSON_COMPACT) : NULL;
-    lent->step = step;
-    if (line)
-        (void)lf_link_send(lent->link, line, strlen(line), -1); /* if memory ends, it is not lent */
-    free(line);
-    json_decref(message);
-}
 
 static void try_again(lf_panel_only *lent, const char *why)
 {
@@ -52,6 +36,22 @@ static void try_again(lf_panel_only *lent, const char *why)
     lent->told = true;
     sd_event_source_set_time_relative(lent->again, AGAIN_USEC);
     sd_event_source_set_enabled(lent->again, SD_EVENT_ONESHOT);
+}
+
+static void ask(lf_panel_only *lent, int step)
+{
+    json_t *params =
+        step == LEND ? json_pack("{s:s, s:b}", "spec", "none", "lend", 1) : json_object();
+    char id[sizeof ID + 2];
+    snprintf(id, sizeof id, ID "%d", step);
+    json_t *message = json_pack("{s:s, s:s, s:s, s:o}", "jsonrpc", "2.0", "id", id, "method",
+                                methods[step], "params", params);
+    char *line = message ? json_dumps(message, JSON_COMPACT) : NULL;
+    lent->step = step;
+    if (!line || lf_link_send(lent->link, line, strlen(line), -1) != LF_OK)
+        try_again(lent, "out of memory");
+    free(line);
+    json_decref(message);
 }
 
 static void keep(json_t **kept, json_t *value)
@@ -81,8 +81,8 @@ static void on_answer(lf_panel_only *lent, json_t *message)
 {
     const char *id = json_string_value(json_object_get(message, "id"));
     json_t *result = json_object_get(message, "result");
-    const char *why = json_string_value(
-        json_object_get(json_object_get(message, "error"), "message"));
+    const char *why =
+        json_string_value(json_object_get(json_object_get(message, "error"), "message"));
     char expected[sizeof ID + 2];
     snprintf(expected, sizeof expected, ID "%d", lent->step);
     if (!id || strcmp(id, expected) != 0)

@@ -11,8 +11,7 @@
 
 #include "base/status.h"
 
-#define LF_PANEL_ONLY_WORDS                                                                        \
-    "quiltweb runs with --panel-only: the panel belongs to other programs"
+#define LF_PANEL_ONLY_WORDS "quiltweb runs with --panel-only: the panel belongs to other programs"
 
 typedef struct lf_panel_only lf_panel_only;
 

@@ -298,7 +298,8 @@ static const lf_route routes[] = {
     {.path = "/rpc", .method = "GET", .act = lf_sessions_answer},
     {.door = LF_DOOR_BRIDGE, .path = "/", .method = "GET", .act = act_alive},
     {.door = LF_DOOR_EVENTS, .path = "/", .method = "GET", .act = act_alive},
-    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = lf_webxr_root},
+    {.door = LF_DOOR_WEBXR, .path = "/driver", .method = "GET", .act = lf_webxr_driver},
 };
 
 enum { N_ROUTES = sizeof routes / sizeof routes[0] };

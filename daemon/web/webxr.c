@@ -6,6 +6,7 @@
 
 #include "base/alloc.h"
 #include "daemon/web/panel_info.h"
+#include "daemon/web/reply.h"
 #include "daemon/web/ws.h"
 
 #define PACE_USEC ((uint64_t)20000000)
@@ -22,7 +23,7 @@ typedef struct guest {
     lf_patience *patience;
     bool inside; /* a message */
     /* at / */
-    lf_fetch *fetch;
+    lf_fetch *fetch[2]; /* the calibration, then the status */
 } guest;
 
 static void destroy_guest(void *context)
@@ -33,7 +34,8 @@ static void destroy_guest(void *context)
     sd_event_source_disable_unref(gone->reap);
     lf_driver_leave(gone->client);
     lf_patience_destroy(gone->patience);
-    lf_fetch_destroy(gone->fetch);
+    lf_fetch_destroy(gone->fetch[0]);
+    lf_fetch_destroy(gone->fetch[1]);
     lf_ws_destroy(gone->ws);
     lf_free(gone);
 }
@@ -91,8 +93,7 @@ static void on_part(void *context, const uint8_t *data, size_t n)
     lf_patience_note(g->patience, n);
     if (n == 0)
         lf_patience_stop(g->patience);
-    const lf_status status =
-        n > 0 ? lf_driver_take(g->client, data, n) : lf_driver_end(g->client);
+    const lf_status status = n > 0 ? lf_driver_take(g->client, data, n) : lf_driver_end(g->client);
     if (status != LF_OK)
         lf_ws_close(g->ws, LF_WS_POLICY, "messages come faster than they are answered");
     else if (lf_driver_is_busy(g->client))
@@ -135,6 +136,8 @@ enum MHD_Result lf_webxr_driver(lf_request *r)
 {
     static const lf_seat_kind kind = {
         .protocol = "rep.sp.nanomsg.org", .create = create_driver, .destroy = destroy_guest};
+    if (!r->web->driver)
+        return lf_request_refuse(r, 503, "there is no driver");
     return lf_seats_answer(r, &kind);
 }
 
@@ -160,23 +163,38 @@ static void send_calibration(const guest *g, const json_t *calibration, const js
     json_decref(panel);
 }
 
+static void on_fetched(void *context);
+
+static void ask(guest *g, int step)
+{
+    const lf_web *web = g->seat->web;
+    const lf_fetch_call call = {
+        .method = step == 0 ? "device.calibration" : "status", .fd = -1, .patience_s = ASK_S};
+    lf_error err = {0};
+    if (lf_fetch_create(web->event, web->socket, &call, on_fetched, g, &g->fetch[step], &err) !=
+        LF_OK)
+        lf_ws_close(g->ws, LF_WS_INTERNAL, err.what);
+}
+
 static void on_fetched(void *context)
 {
-    const guest *g = context;
-    const json_t *result = NULL;
+    guest *g = context;
+    const json_t *calibration = NULL, *status = NULL;
     lf_error err = {0};
     int code = 0;
-    if (lf_fetch_result(g->fetch, &result, &code, &err) == LF_OK)
-        send_calibration(g, result, NULL);
-    else
+    if (lf_fetch_result(g->fetch[0], &calibration, &code, &err) != LF_OK ||
+        (g->fetch[1] && lf_fetch_result(g->fetch[1], &status, &code, &err) != LF_OK))
         lf_ws_close(g->ws, LF_WS_INTERNAL, err.what);
+    else if (status)
+        send_calibration(g, calibration, json_object_get(status, "device"));
+    else
+        ask(g, 1);
 }
 
 static lf_status create_plain(lf_seat *seat, int fd, const void *early, size_t n, void **out,
                               lf_error *err)
 {
     const lf_web *web = seat->web;
-    const lf_fetch_call call = {.method = "device.calibration", .fd = -1, .patience_s = ASK_S};
     const json_t *known = lf_panel_only_calibration(web->panel_only);
     guest *g = lf_calloc(1, sizeof *g);
     if (!g)
@@ -185,19 +203,15 @@ static lf_status create_plain(lf_seat *seat, int fd, const void *early, size_t n
     lf_status status = begin(g, fd, early, n, (lf_ws_events){.text = on_text}, err);
     if (status == LF_OK && known)
         send_calibration(g, known, lf_panel_only_device(web->panel_only));
-    else if (status == LF_OK && lf_fetch_create(web->event, web->socket, &call, on_fetched, g,
-                                                &g->fetch, err) != LF_OK)
-        lf_ws_close(g->ws, LF_WS_INTERNAL, "no quiltd answers");
+    else if (status == LF_OK)
+        ask(g, 0);
     return finish(status, g, out);
 }
 
-bool lf_webxr_wants_socket(const lf_request *r)
-{
-    return MHD_lookup_connection_value(r->connection, MHD_HEADER_KIND, "Upgrade") != NULL;
-}
-
-enum MHD_Result lf_webxr_plain(lf_request *r)
+enum MHD_Result lf_webxr_root(lf_request *r)
 {
     static const lf_seat_kind kind = {.create = create_plain, .destroy = destroy_guest};
-    return lf_seats_answer(r, &kind);
+    if (MHD_lookup_connection_value(r->connection, MHD_HEADER_KIND, "Upgrade"))
+        return lf_seats_answer(r, &kind);
+    return lf_reply_text(r->connection, 200, "quiltweb");
 }

@@ -29,7 +29,8 @@ struct lf_ws {
     int frames;            /* of the message that is received */
     bool sent;             /* something was sent in this turn */
     size_t delivered, due; /* since the timer began: bytes sent; bytes to send before it ends */
-    bool control; /* the frame that is received is one of control, perhaps between two of a message */
+    bool control; /* the frame that is received is one of control, perhaps between two of a message
+                   */
     bool streams; /* the message that is received is binary, and comes in parts */
     bool paused, lingering, ended;
 };
@@ -152,9 +153,8 @@ static lf_status set_up(lf_ws *ws, sd_event *event, const void *early, size_t n)
     if (n > 0)
         memcpy(ws->early, early, n);
     wslay_event_config_set_no_buffering(ws->wslay, ws->events.part != NULL);
-    wslay_event_config_set_max_recv_msg_length(ws->wslay,
-                                               ws->events.part ? ws->events.longest
-                                                               : LF_WS_MAX_MESSAGE);
+    wslay_event_config_set_max_recv_msg_length(ws->wslay, ws->events.part ? ws->events.longest
+                                                                          : LF_WS_MAX_MESSAGE);
     /* EPOLLOUT: the first turn comes at once, for what came early */
     if (sd_event_add_io(event, &ws->io, ws->fd, EPOLLIN | EPOLLOUT, on_io, ws) < 0 ||
         sd_event_add_time_relative(event, &ws->timer, CLOCK_MONOTONIC, STALL_USEC, 0, on_time, ws) <

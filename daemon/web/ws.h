@@ -3,8 +3,9 @@
  * A text message has at most LF_WS_MAX_MESSAGE bytes; a longer one closes with 1009, a binary one
  * with 1003, and one of more than LF_WS_MAX_FRAMES frames with 1008. Instead of texts, binary
  * messages may be taken in parts as they come, of any number of frames. At most 16 KiB are read in
- * a turn, and nothing while more than 256 messages wait to be sent, or while paused. Of what waits the peer has to
- * take 64 KiB, or all if it is less, in 20 s; otherwise it is dropped. Thread: event. */
+ * a turn, and nothing while more than 256 messages wait to be sent, or while paused. Of what waits
+ * the peer has to take 64 KiB, or all if it is less, in 20 s; otherwise it is dropped. Thread:
+ * event. */
 #ifndef LF_DAEMON_WEB_WS_H
 #define LF_DAEMON_WEB_WS_H
 
@@ -35,7 +36,7 @@ typedef struct lf_ws_events {
      * message; n 0: it has ended. While paused, bytes that were read before still come, at most
      * LF_WS_READ_AHEAD. */
     void (*part)(void *context, const uint8_t *data, size_t n);
-    uint64_t longest; /* of the messages of `part`; a longer one closes with 1009 */
+    uint64_t longest;               /* of the messages of `part`; a longer one closes with 1009 */
     void (*flushed)(void *context); /* some of the queue was sent */
     void (*ended)(void *context);   /* the descriptor is not used any more; called once */
     void *context;
