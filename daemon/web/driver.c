@@ -74,7 +74,7 @@ static void forget_message(lf_driver_client *client)
     client->command = NULL;
     client->params = NULL;
     client->n_ids = 0;
-    client->has_request = client->malformed = client->busy = false;
+    client->has_request = client->malformed = client->busy = client->is_taken = false;
 }
 
 /* The header, and the answer in CBOR. */

@@ -211,19 +211,28 @@ static void begin_show(lf_driver_client *client)
         ask_show(client, settings, client->bin);
 }
 
+/* First quiltd has taken the quilt, then it shows it, or what was shown after it. */
 static void go_on_show(lf_driver_client *client)
 {
     const json_t *result = NULL;
     int code = 0;
     lf_error err = {0};
-    if (lf_driver_result(client, &result, &code, &err) == LF_OK)
-        lf_driver_answer(client, json_object());
-    else
-        lf_driver_fail(client,
-                       code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
-                           ? LF_DRIVER_NO_IMAGE
-                           : LF_DRIVER_FAILED,
+    lf_status status = lf_driver_result(client, &result, &code, &err);
+    if (status != LF_OK)
+        lf_driver_fail(client, code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
+                                   ? LF_DRIVER_NO_IMAGE
+                                   : LF_DRIVER_FAILED,
                        err.what, NULL);
+    else if (client->is_taken)
+        lf_driver_answer(client, json_object());
+    else {
+        client->is_taken = true;
+        lf_driver_ask(client, "wait",
+                      json_pack("{s:O, s:s, s:i}", "generation",
+                                json_object_get(result, "generation"), "for", "coarse", "timeout",
+                                SHOW_S - 2),
+                      -1, SHOW_S);
+    }
 }
 
 static void begin_wipe(lf_driver_client *client)

@@ -48,6 +48,7 @@ struct lf_driver_client {
     const json_t *params;      /* of the command, in the message */
     lf_fetch *fetch;           /* NULL: none */
     json_t *calibration;       /* of `info` */
+    bool is_taken;             /* of `show`: quiltd has the quilt */
     struct {
         uint8_t *data; /* [n] of [size] parts of messages that came while it was busy */
         size_t n, size;
