@@ -324,7 +324,7 @@ static lf_status take_chunk(lf_cbor *cbor, int major, int info, uint64_t n)
 static lf_status take_item(lf_cbor *cbor, int major, int info, uint64_t n)
 {
     const bool endless = info == ENDLESS;
-    if (++cbor->items > LF_CBOR_MAX_ITEMS && cbor->string != BYTES)
+    if (cbor->string != BYTES && ++cbor->items > LF_CBOR_MAX_ITEMS)
         return fail(cbor, "the message has too many values");
     if (cbor->string >= 0)
         return take_chunk(cbor, major, info, n);

@@ -71,7 +71,7 @@ lf_status lf_cache_put(lf_driver *driver, const char *name, lf_bin *bin, const j
 {
     const size_t n = strlen(name);
     if (n < 1 || n > LF_DRIVER_MAX_NAME)
-        return lf_error_set(err, LF_E_ARG, "name", "expects 1 to %d bytes", LF_DRIVER_MAX_NAME);
+        return lf_error_set(err, LF_E_ARG, "cache", "a name has 1 to %d bytes", LF_DRIVER_MAX_NAME);
     lf_cached *new = lf_calloc(1, sizeof *new);
     char *copy = lf_strdup(name);
     json_t *kept = settings ? json_deep_copy(settings) : json_object();
