@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/number.h"
 #include "daemon/output/options.h"
+#include "daemon/web/bridge.h"
 #include "daemon/web/listen.h"
 #include "daemon/web/web.h"
 #include "daemon/wire/listen.h"
@@ -34,6 +35,7 @@ enum {
     OPTION_BRIDGE,
     OPTION_WEBXR,
     OPTION_ALLOW_ORIGIN,
+    OPTION_BRIDGE_VERSION,
 };
 
 static const struct option table[] = {
@@ -46,11 +48,12 @@ static const struct option table[] = {
     {"bridge", optional_argument, NULL, OPTION_BRIDGE},
     {"webxr", optional_argument, NULL, OPTION_WEBXR},
     {"allow-origin", required_argument, NULL, OPTION_ALLOW_ORIGIN},
+    {"bridge-version", required_argument, NULL, OPTION_BRIDGE_VERSION},
     {0},
 };
 
 typedef struct arguments {
-    const char *socket, *url_file, *public_origin;
+    const char *socket, *url_file, *public_origin, *bridge_version;
     const char *listen[LF_WEB_MAX_LISTENERS];
     int n_listen;
     uint64_t upload_mib;
@@ -65,6 +68,7 @@ static void print_help(void)
     printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
            "                [--public ORIGIN] [--upload-limit MIB]\n"
            "                [--bridge[=PORT,PORT]] [--webxr[=PORT]] [--allow-origin ORIGIN]\n"
+           "                [--bridge-version VERSION]\n"
            "Show what quiltd shows in a browser of this machine, and steer it there.\n"
            "Prints the URL of the page, with a token that opens it.\n"
            "\n"
@@ -85,6 +89,9 @@ static void print_help(void)
            "  --webxr[=PORT]         answer WebXR pages (%d)\n"
            "  --allow-origin ORIGIN  let pages of ORIGIN ask there; may be repeated;\n"
            "                         http://localhost:* is any port of this machine (none)\n"
+           "  --bridge-version VERSION\n"
+           "                         version of Bridge that programs are told (" LF_BRIDGE_VERSION
+           ")\n"
            "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
            BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT);
 }
@@ -109,6 +116,17 @@ static lf_status take_ports(arguments *a, const char *option, const char *text, 
     return LF_OK;
 }
 
+/* bridge.js reads the first two numbers. */
+static lf_status take_version(arguments *a, const char *text, lf_error *err)
+{
+    const size_t n = strlen(text);
+    if (n < 1 || n > 31 || strspn(text, "0123456789.") != n || text[0] == '.')
+        return lf_error_set(err, LF_E_ARG, "--bridge-version",
+                            "expects numbers with points, for example 2.6.3, got \"%s\"", text);
+    a->bridge_version = text;
+    return LF_OK;
+}
+
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     arguments *a = context;
@@ -128,6 +146,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return take_ports(a, "--bridge", text, LF_DOOR_BRIDGE, LF_DOOR_EVENTS, err);
     else if (code == OPTION_WEBXR)
         return take_ports(a, "--webxr", text, LF_DOOR_WEBXR, LF_DOOR_WEBXR, err);
+    else if (code == OPTION_BRIDGE_VERSION)
+        return take_version(a, text, err);
     else if (code == OPTION_ALLOW_ORIGIN)
         return lf_origins_add(&a->allowed, text, err);
     else if (code == OPTION_LISTEN && a->n_listen == LF_WEB_MAX_LISTENERS)
@@ -264,6 +284,7 @@ static lf_status run(const arguments *a, lf_error *err)
     sd_event *event = NULL;
     lf_web *web = NULL;
     lf_web_config config = {.allowed = &a->allowed,
+                            .bridge_version = a->bridge_version,
                             .socket = find_socket(a->socket, path, sizeof path),
                             .public_origin = a->public_origin,
                             .upload_limit = a->upload_mib << 20};
