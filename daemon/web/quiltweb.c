@@ -14,6 +14,7 @@
 #include "base/number.h"
 #include "daemon/output/options.h"
 #include "daemon/web/bin.h"
+#include "daemon/web/bridge.h"
 #include "daemon/web/listen.h"
 #include "daemon/web/nng.h"
 #include "daemon/web/programs.h"
@@ -27,7 +28,6 @@
 #define WEBXR_PORT 11222
 #define MAX_UPLOAD_MIB 65536
 #define MAX_IMAGE_MIB 4096
-#define BRIDGE_VERSION "2.6.3"
 
 enum {
     OPTION_SOCKET = LF_OPTION_OWN,
@@ -42,6 +42,7 @@ enum {
     OPTION_NNG,
     OPTION_IMAGE_LIMIT,
     OPTION_PANEL_ONLY,
+    OPTION_BRIDGE_VERSION,
 };
 
 static const struct option table[] = {
@@ -57,11 +58,12 @@ static const struct option table[] = {
     {"nng", optional_argument, NULL, OPTION_NNG},
     {"image-limit", required_argument, NULL, OPTION_IMAGE_LIMIT},
     {"panel-only", no_argument, NULL, OPTION_PANEL_ONLY},
+    {"bridge-version", required_argument, NULL, OPTION_BRIDGE_VERSION},
     {0},
 };
 
 typedef struct arguments {
-    const char *socket, *url_file, *public_origin;
+    const char *socket, *url_file, *public_origin, *bridge_version;
     const char *listen[LF_WEB_MAX_LISTENERS];
     int n_listen;
     uint64_t upload_mib;
@@ -79,7 +81,8 @@ static void print_help(void)
     printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
            "                [--public ORIGIN] [--upload-limit MIB]\n"
            "                [--bridge[=PORT,PORT]] [--webxr[=PORT]] [--allow-origin ORIGIN]\n"
-           "                [--nng[=PATH]] [--image-limit MIB] [--panel-only]\n"
+           "                [--bridge-version VERSION] [--nng[=PATH]] [--image-limit MIB]\n"
+           "                [--panel-only]\n"
            "Show what quiltd shows in a browser of this machine, and steer it there.\n"
            "Prints the URL of the page, with a token that opens it.\n"
            "\n"
@@ -104,6 +107,9 @@ static void print_help(void)
            "                         (%s)\n"
            "  --image-limit MIB      largest image that a program may send, 1 to %d (%d)\n"
            "  --panel-only           only answer what panel there is; quiltd lends it meanwhile\n"
+           "  --bridge-version VERSION\n"
+           "                         version of Bridge that programs are told (" LF_BRIDGE_VERSION
+           ")\n"
            "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
            BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT, LF_NNG_PATH, MAX_IMAGE_MIB, LF_BIN_LIMIT_MIB);
 }
@@ -125,6 +131,17 @@ static lf_status take_ports(arguments *a, const char *option, const char *text, 
         a->ports[i] = (int)port;
         text = text[n] ? text + n + 1 : NULL;
     }
+    return LF_OK;
+}
+
+/* bridge.js reads the first two numbers. */
+static lf_status take_version(arguments *a, const char *text, lf_error *err)
+{
+    const size_t n = strlen(text);
+    if (n < 1 || n > 31 || strspn(text, "0123456789.") != n || text[0] == '.')
+        return lf_error_set(err, LF_E_ARG, "--bridge-version",
+                            "expects numbers with points, for example 2.6.3, got \"%s\"", text);
+    a->bridge_version = text;
     return LF_OK;
 }
 
@@ -155,6 +172,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return take_ports(a, "--bridge", text, LF_DOOR_BRIDGE, LF_DOOR_EVENTS, err);
     else if (code == OPTION_WEBXR)
         return take_ports(a, "--webxr", text, LF_DOOR_WEBXR, LF_DOOR_WEBXR, err);
+    else if (code == OPTION_BRIDGE_VERSION)
+        return take_version(a, text, err);
     else if (code == OPTION_ALLOW_ORIGIN)
         return lf_origins_add(&a->allowed, text, err);
     else if (code == OPTION_LISTEN && a->n_listen == LF_WEB_MAX_LISTENERS)
@@ -303,7 +322,8 @@ static lf_status begin(const arguments *a, sd_event *event, lf_web_config *confi
                        services *out, lf_error *err)
 {
     const lf_programs_config programs = {.socket = config->socket,
-                                         .version = BRIDGE_VERSION,
+                                         .version = a->bridge_version ? a->bridge_version
+                                                                      : LF_BRIDGE_VERSION,
                                          .image_limit = a->image_mib << 20,
                                          .panel_only = a->panel_only,
                                          .nng_path = a->nng,
@@ -326,6 +346,7 @@ static lf_status run(const arguments *a, lf_error *err)
     services s = {0};
     int nng = -1;
     lf_web_config config = {.allowed = &a->allowed,
+                            .bridge_version = a->bridge_version,
                             .socket = find_socket(a->socket, path, sizeof path),
                             .public_origin = a->public_origin,
                             .upload_limit = a->upload_mib << 20};

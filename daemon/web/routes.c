@@ -210,16 +210,25 @@ static enum MHD_Result finish_thumbnail(lf_request *r)
     return lf_route_fetch_failed(r, code);
 }
 
+static void count(lf_web *web, lf_web_counts *counts)
+{
+    counts->websockets = lf_seats_count(web);
+    counts->streams = web->n_streams;
+    counts->upload_files = lf_uploads_count(web->uploads);
+    counts->upload_bytes = lf_uploads_bytes(web->uploads);
+    counts->download_files = lf_downloads_count(web->downloads);
+    counts->download_bytes = lf_downloads_bytes(web->downloads);
+    if (!web->bridge)
+        return;
+    counts->bridge_requests = lf_bridge_requests(web->bridge);
+    counts->bridge_failures = lf_bridge_failures(web->bridge);
+}
+
 static void write_metrics(lf_request *r, const json_t *status, FILE *out)
 {
     lf_web *web = r->web;
     lf_web_counts counts = web->counts;
-    counts.websockets = lf_seats_count(web);
-    counts.streams = web->n_streams;
-    counts.upload_files = lf_uploads_count(web->uploads);
-    counts.upload_bytes = lf_uploads_bytes(web->uploads);
-    counts.download_files = lf_downloads_count(web->downloads);
-    counts.download_bytes = lf_downloads_bytes(web->downloads);
+    count(web, &counts);
     lf_prometheus_write(status, out);
     lf_web_counts_write(&counts, out);
 }
@@ -297,7 +306,19 @@ static const lf_route routes[] = {
     /* it looks at the secrets itself */
     {.path = "/rpc", .method = "GET", .act = lf_sessions_answer},
     {.door = LF_DOOR_BRIDGE, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_BRIDGE,
+     .path = "/",
+     .is_start = true,
+     .method = "PUT",
+     .body_limit = LF_BRIDGE_BODY,
+     .take = lf_bridge_put_take,
+     .act = lf_bridge_put,
+     .finish = lf_bridge_put_done},
     {.door = LF_DOOR_EVENTS, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_EVENTS,
+     .path = "/event_source",
+     .method = "GET",
+     .act = lf_bridge_events_answer},
     {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = lf_webxr_root},
     {.door = LF_DOOR_WEBXR, .path = "/driver", .method = "GET", .act = lf_webxr_driver},
 };

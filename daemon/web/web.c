@@ -312,6 +312,8 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
     lf_fetch_destroy(gone->fetch);
     lf_stream_destroy(gone->stream);
     lf_upload_drop(gone->upload);
+    lf_bridge_leave(gone->bridge_call);
+    lf_free(gone->body);
     json_decref(gone->query);
     if (gone->fd >= 0)
         close(gone->fd);
@@ -411,6 +413,21 @@ static void close_doors(const lf_web_config *config)
     }
 }
 
+/* If somebody can ask it, or listen to it. */
+static lf_status begin_bridge(lf_web *web, const char *version, lf_error *err)
+{
+    if (web->doors[LF_DOOR_BRIDGE].port == 0 && web->doors[LF_DOOR_EVENTS].port == 0)
+        return LF_OK;
+    web->bridge_version = lf_strdup(version ? version : LF_BRIDGE_VERSION);
+    const lf_bridge_config config = {.event = web->event,
+                                     .socket = web->socket,
+                                     .version = web->bridge_version,
+                                     .tell = lf_bridge_events_tell,
+                                     .context = web};
+    return web->bridge_version ? lf_bridge_create(&config, &web->bridge, err)
+                               : lf_error_set(err, LF_E_NOMEM, "bridge", "out of memory");
+}
+
 lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **out, lf_error *err)
 {
     lf_web *web = lf_calloc(1, sizeof *web);
@@ -431,6 +448,8 @@ lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **o
     for (int i = 0; i < LF_DOORS; i++)
         web->doors[i].sockets = config->doors[i];
     lf_status status = look_at_doors(web, config->public_origin, err);
+    if (status == LF_OK)
+        status = begin_bridge(web, config->bridge_version, err);
     if (status == LF_OK)
         status = lf_uploads_create(event, config->upload_limit, &web->uploads, err);
     if (status == LF_OK)
@@ -458,7 +477,7 @@ void lf_web_destroy(lf_web *web)
     for (lf_request *r = web->requests; r; r = r->next) {
         if (r->fetch)
             lf_fetch_cancel(r->fetch);
-        if (r->waiting)
+        if (r->waiting || (r->bridge_call && !lf_bridge_reply(r->bridge_call)))
             lf_request_resume(r);
         if (r->stream)
             lf_stream_end(r->stream);
@@ -469,6 +488,8 @@ void lf_web_destroy(lf_web *web)
     }
     lf_uploads_destroy(web->uploads);
     lf_downloads_destroy(web->downloads);
+    lf_bridge_destroy(web->bridge);
+    lf_free(web->bridge_version);
     sd_event_source_disable_unref(web->io);
     sd_event_source_disable_unref(web->timer);
     lf_free(web->socket);

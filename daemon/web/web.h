@@ -28,11 +28,12 @@ typedef struct lf_web_config {
     /* Of each door: listening TCP sockets on loopback addresses, all at one port that no other door
      * has. None: the door is closed. The page's door has one at least. */
     lf_web_sockets doors[LF_DOORS];
-    const lf_origins *allowed; /* at the doors of programs, copied; NULL: none */
-    const char *socket;        /* path of quiltd's */
-    const char *public_origin; /* of the page behind a server with TLS (guard.h); NULL: none */
-    uint64_t upload_limit;     /* bytes of all uploads together */
-    lf_driver *driver;         /* of the door of WebXR pages; borrowed; NULL: it has none */
+    const lf_origins *allowed;  /* at the doors of programs, copied; NULL: none */
+    const char *socket;         /* path of quiltd's */
+    const char *bridge_version; /* that programs of Bridge are told; NULL: LF_BRIDGE_VERSION */
+    const char *public_origin;  /* of the page behind a server with TLS (guard.h); NULL: none */
+    uint64_t upload_limit;      /* bytes of all uploads together */
+    lf_driver *driver;          /* of the door of WebXR pages; borrowed; NULL: it has none */
     const lf_panel_only *panel_only; /* borrowed; NULL: quiltd keeps its panel */
 } lf_web_config;
 

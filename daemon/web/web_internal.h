@@ -7,6 +7,7 @@
  * seats.c     WebSockets: handshakes, and who sits behind them
  * sessions.c  WebSockets of the page
  * webxr.c     WebSockets of WebXR pages
+ * bridge_http.c, bridge_events.c  doors of programs that speak to Bridge
  *
  * libmicrohttpd calls a request several times: once its headers are there (`check` may refuse it
  * before a byte of the body is read), for each part of the body, when the body is there (`act`),
@@ -17,6 +18,7 @@
 #include <jansson.h>
 #include <microhttpd.h>
 
+#include "daemon/web/bridge.h"
 #include "daemon/web/counts.h"
 #include "daemon/web/downloads.h"
 #include "daemon/web/fetch.h"
@@ -29,6 +31,7 @@
 #include "daemon/web/web.h"
 
 #define LF_WEB_MAX_STREAMS 4
+#define LF_BRIDGE_BODY ((size_t)1 << 20) /* of a request of Bridge */
 /* A request has so long, except where pace or patience of its own are set. */
 #define LF_WEB_DEADLINE_USEC ((uint64_t)10000000)
 /* A client of a download has so long for LF_PATIENCE_BYTES. Of a stream it has so long for what
@@ -72,6 +75,8 @@ struct lf_web {
     int n_fetches[LF_WEB_LANES], n_streams;
     lf_uploads *uploads;
     lf_downloads *downloads;
+    char *bridge_version;
+    lf_bridge *bridge; /* NULL: its doors are closed */
     lf_web_counts counts;
     bool ending; /* nobody is let in any more */
 };
@@ -120,6 +125,9 @@ struct lf_request {
     lf_error error;
     lf_stream *stream; /* NULL: none */
     lf_upload *upload; /* the body; NULL: none */
+    char *body;        /* a short one; NULL: none */
+    size_t body_used;
+    lf_bridge_call *bridge_call; /* NULL: none */
 };
 
 /* web.c */
@@ -192,6 +200,14 @@ void lf_seat_leave(lf_seat *seat);
 void lf_seats_leave(lf_web *web);
 /* WebSockets of all doors. */
 int lf_seats_count(const lf_web *web);
+
+/* bridge_http.c, bridge_events.c */
+enum MHD_Result lf_bridge_put(lf_request *r);
+enum MHD_Result lf_bridge_put_take(lf_request *r, const char *body, size_t n);
+enum MHD_Result lf_bridge_put_done(lf_request *r);
+enum MHD_Result lf_bridge_events_answer(lf_request *r);
+/* lf_bridge_tell_fn; context: the web. */
+void lf_bridge_events_tell(void *context, const char *token, json_t *event);
 
 /* sessions.c */
 enum MHD_Result lf_sessions_answer(lf_request *r);
