@@ -25,7 +25,9 @@ fuzz_libs_instances := meshes render base
 fuzz_libs_http := web wire base
 fuzz_libs_gateway := web wire base
 fuzz_libs_ws := web base
-$(foreach t,http gateway ws,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
+fuzz_libs_cbor := web base
+fuzz_libs_nng := web wire base
+$(foreach t,http gateway ws cbor nng,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
