@@ -22,11 +22,11 @@ fuzz_libs_mesh := meshes render base
 fuzz_libs_mesh_arrays := $(fuzz_libs_mesh)
 fuzz_libs_gltf := meshes render base
 fuzz_libs_instances := meshes render base
-fuzz_libs_http := web wire base
-fuzz_libs_gateway := web wire base
+fuzz_libs_http := web wire quilt base
+fuzz_libs_gateway := web wire quilt base
 fuzz_libs_ws := web base
 fuzz_libs_cbor := web base
-fuzz_libs_nng := web wire base
+fuzz_libs_nng := web wire quilt base
 $(foreach t,http gateway ws cbor nng,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run

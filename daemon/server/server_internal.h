@@ -107,6 +107,7 @@ typedef struct lf_life {
     bool ready_sent; /* systemd was notified */
     int reloads;     /* reloads by systemd that have not ended */
     lf_card card;
+    lf_loan loan;
     lf_log_watch log;
     lf_web_child *web;           /* NULL without --web */
     lf_examination *examination; /* for doctor, in progress; NULL: none */
@@ -146,7 +147,6 @@ struct lf_server {
     lf_waits *waits;
     lf_jobs *jobs;
     lf_gallery gallery;
-    lf_loan loan;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
 
@@ -176,7 +176,7 @@ LF_NODISCARD lf_status lf_server_loan_begin(lf_server *server, uint64_t client, 
 /* The client has left: the panel is opened again, unless another device was chosen meanwhile. If it
  * cannot be opened, that is tried again every 5 s. */
 void lf_server_loan_end_of(lf_server *server, uint64_t client);
-/* An event of the show: lf_show_open with &server->loan as its answer has ended. */
+/* An event of the show: lf_show_open with &server->life.loan as its answer has ended. */
 void lf_server_loan_opened(lf_server *server, const lf_error *err);
 /* The panel does not come back: another device was chosen, or the daemon ends. */
 void lf_server_loan_forget(lf_server *server);

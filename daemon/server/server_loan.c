@@ -9,7 +9,7 @@
 
 void lf_server_loan_forget(lf_server *server)
 {
-    lf_loan *loan = &server->loan;
+    lf_loan *loan = &server->life.loan;
     loan->again = sd_event_source_disable_unref(loan->again);
     lf_free(loan->spec);
     loan->spec = NULL;
@@ -18,7 +18,7 @@ void lf_server_loan_forget(lf_server *server)
 
 lf_status lf_server_loan_begin(lf_server *server, uint64_t client, lf_error *err)
 {
-    lf_loan *loan = &server->loan;
+    lf_loan *loan = &server->life.loan;
     if (loan->spec && loan->client != 0 && loan->client != client)
         return lf_error_set(err, LF_E_BUSY, "device.set", "the panel is lent to another client");
     loan->client = client;
@@ -36,7 +36,7 @@ static int on_again(sd_event_source *source, uint64_t usec, void *context)
     (void)source;
     (void)usec;
     lf_server *server = context;
-    lf_loan *loan = &server->loan;
+    lf_loan *loan = &server->life.loan;
     lf_error err = {0};
     loan->again = sd_event_source_disable_unref(loan->again);
     if (lf_server_is_stopping(server))
@@ -48,14 +48,14 @@ static int on_again(sd_event_source *source, uint64_t usec, void *context)
 
 static void open_in(lf_server *server, uint64_t usec)
 {
-    if (sd_event_add_time_relative(server->event, &server->loan.again, CLOCK_MONOTONIC, usec, 1,
-                                   on_again, server) < 0)
-        lf_log(LF_LOG_WARNING, "%s: the panel stays closed: out of memory", server->loan.spec);
+    if (sd_event_add_time_relative(server->event, &server->life.loan.again, CLOCK_MONOTONIC, usec,
+                                   1, on_again, server) < 0)
+        lf_log(LF_LOG_WARNING, "%s: the panel stays closed: out of memory", server->life.loan.spec);
 }
 
 void lf_server_loan_end_of(lf_server *server, uint64_t client)
 {
-    lf_loan *loan = &server->loan;
+    lf_loan *loan = &server->life.loan;
     if (!loan->spec || loan->client != client)
         return;
     loan->client = 0;
@@ -64,7 +64,7 @@ void lf_server_loan_end_of(lf_server *server, uint64_t client)
 
 void lf_server_loan_opened(lf_server *server, const lf_error *err)
 {
-    lf_loan *loan = &server->loan;
+    lf_loan *loan = &server->life.loan;
     if (!loan->spec || loan->client != 0)
         return; /* it was lent again meanwhile */
     if (!err) {

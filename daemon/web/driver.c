@@ -52,6 +52,11 @@ uint64_t lf_driver_failures(const lf_driver *driver)
     return driver->n_failures;
 }
 
+uint64_t lf_driver_bytes(const lf_driver *driver)
+{
+    return driver->bins.used;
+}
+
 uint64_t lf_driver_longest(const lf_driver *driver)
 {
     return 16 * (driver->bins.limit + LF_DRIVER_MAX_REST);
@@ -121,8 +126,7 @@ void lf_driver_fail(lf_driver_client *client, lf_driver_error error, const char 
     lf_driver_answer(client, answer);
 }
 
-/* ---------------------------------------------------------------------------- calls of quiltd --
- */
+/* --------------------------------------------------------------------------- calls of quiltd -- */
 
 static void on_fetched(void *context)
 {

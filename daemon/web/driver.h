@@ -52,6 +52,8 @@ void lf_driver_destroy(lf_driver *driver);
 /* Commands that were answered since the start, and those of them that failed. */
 uint64_t lf_driver_commands(const lf_driver *driver);
 uint64_t lf_driver_failures(const lf_driver *driver);
+/* Bytes of all images that are received, shown or kept. */
+uint64_t lf_driver_bytes(const lf_driver *driver);
 /* The longest message that is worth reading; of longer ones the end would be skipped. */
 uint64_t lf_driver_longest(const lf_driver *driver);
 

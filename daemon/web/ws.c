@@ -152,7 +152,7 @@ static lf_status set_up(lf_ws *ws, sd_event *event, const void *early, size_t n)
         return LF_E_NOMEM;
     if (n > 0)
         memcpy(ws->early, early, n);
-    wslay_event_config_set_no_buffering(ws->wslay, ws->events.part != NULL);
+    wslay_event_config_set_no_buffering(ws->wslay, ws->events.part ? 1 : 0);
     wslay_event_config_set_max_recv_msg_length(ws->wslay, ws->events.part ? ws->events.longest
                                                                           : LF_WS_MAX_MESSAGE);
     /* EPOLLOUT: the first turn comes at once, for what came early */

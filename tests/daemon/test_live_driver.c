@@ -32,7 +32,7 @@ static int number_logged(const live *l, const char *text, int *out_lines)
     while (file && fgets(line, sizeof line, file)) {
         const char *at = strstr(line, text);
         number = at ? atoi(at + strlen(text)) : number;
-        *out_lines += at != NULL;
+        *out_lines += at ? 1 : 0;
     }
     if (file)
         fclose(file);
