@@ -307,7 +307,7 @@ void lf_engine_destroy(lf_engine *engine)
     lf_engine_stop(engine, true);
     if (engine->life.started)
         pthread_join(engine->life.thread, NULL);
-    lf_interlacer_destroy(engine->interlacer);
+    lf_interlacer_destroy(engine->lens.interlacer);
     lf_image8_finish(&engine->card.image);
     lf_image8_finish(&engine->fade.from);
     lf_image8_finish(&engine->fade.to);

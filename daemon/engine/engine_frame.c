@@ -12,8 +12,8 @@
 
 void engine_drop_interlacer(lf_engine *engine)
 {
-    lf_interlacer_destroy(engine->interlacer);
-    engine->interlacer = NULL;
+    lf_interlacer_destroy(engine->lens.interlacer);
+    engine->lens.interlacer = NULL;
 }
 
 static bool same_views(const lf_layout *a, const lf_layout *b)
@@ -25,21 +25,21 @@ static bool same_views(const lf_layout *a, const lf_layout *b)
 const lf_interlacer *engine_interlacer_now(lf_engine *engine)
 {
     const lf_layout *layout = &engine->content->layout;
-    if (engine->interlacer && !same_views(layout, &engine->interlaced))
+    if (engine->lens.interlacer && !same_views(layout, &engine->lens.layout))
         engine_drop_interlacer(engine);
-    if (!engine->interlacer && engine->now.panel.present) {
+    if (!engine->lens.interlacer && engine->now.panel.present) {
         lf_error err;
-        engine->interlaced = *layout;
+        engine->lens.layout = *layout;
         lf_status status =
             lf_interlacer_create(&engine->now.panel.calibration, layout->n_views,
                                  layout->view_width, layout->view_height, layout->aspect,
-                                 LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->interlacer, &err);
+                                 LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->lens.interlacer, &err);
         if (status != LF_OK) {
             lf_log_error(&err);
             engine->now.panel.present = false;
         }
     }
-    return engine->interlacer;
+    return engine->lens.interlacer;
 }
 
 lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)

@@ -41,6 +41,12 @@ typedef struct engine_panel {
     lf_calibration calibration;
 } engine_panel;
 
+/* How views become an image of the panel. */
+typedef struct engine_lens {
+    lf_interlacer *interlacer; /* NULL: not made */
+    lf_layout layout;          /* of its views */
+} engine_lens;
+
 /* lf_engine_set_card. */
 typedef struct engine_card {
     char words[LF_CARD_TEXT];
@@ -166,9 +172,8 @@ struct lf_engine {
     lf_content *content;
     lf_picture picture;
     lf_schedule schedule;
-    lf_interlacer *interlacer;
-    lf_layout interlaced; /* the layout of interlacer */
-    engine_drawn card;    /* the last one */
+    engine_lens lens;
+    engine_drawn card; /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */

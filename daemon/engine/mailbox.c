@@ -150,7 +150,8 @@ void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)
 {
     pthread_mutex_lock(&mailbox->lock);
     frame->number = ++mailbox->n_posted;
-    mailbox->ready = mailbox->last = mailbox->back;
+    mailbox->ready = mailbox->back;
+    mailbox->last = mailbox->back;
     mailbox->back = -1;
     pthread_mutex_unlock(&mailbox->lock);
     lf_wakeup_signal(mailbox->event_fd);
