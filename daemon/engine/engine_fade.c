@@ -48,8 +48,7 @@ uint64_t engine_fade_due_ns(const lf_engine *engine)
     return engine->fade.runs ? engine->fade.next_ns : 0;
 }
 
-/* ----------------------------------------------------------------------------------- its start --
- */
+/* --------------------------------------------------------------------------------- its start -- */
 
 static bool has_shape(const lf_image8 *image, const lf_image8 *other)
 {
@@ -84,8 +83,7 @@ static void start(lf_engine *engine, const lf_image8 *to)
     fade->lasts = fade->seconds;
 }
 
-/* ---------------------------------------------------------------------------------- its images --
- */
+/* -------------------------------------------------------------------------------- its images -- */
 
 static int weight_now(const engine_fade *fade)
 {
