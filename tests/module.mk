@@ -110,6 +110,7 @@ wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
 # a clock of the test's own
 wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
 wrap_test_playlist := $(wrap_test_play)
+wrap_test_engine_fade := -Wl,--wrap=lf_time_now
 
 # a display, an EEPROM and a udev of the test's own
 wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \

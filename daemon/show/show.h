@@ -27,6 +27,7 @@ typedef struct lf_shown {
     lf_level level;
     double passes;
     bool reconstructed;
+    bool fades;              /* mixed with an earlier image; its level is at most coarse */
     char card[LF_CARD_TEXT]; /* text of a card shown instead of a picture; empty: a picture */
 } lf_shown;
 
