@@ -5,13 +5,13 @@
  * from 0, far, to 1, near. Nearness 1/Z is linear in the code, as `export rgbd` writes it. Then a
  * plane in space is linear in the code over the pixels, and so is the shift between views:
  *
- *     camera i of the line stands b_i to the right of the middle, the picture's camera at b
+ *     camera i of a line of length B stands b_i to the right of its middle, the picture's camera b
  *     the window that all cameras share is at the distance D, W wide
  *     a point at the distance Z moves by (b_i - b) (1 - D/Z) / W of the view's width
  *     1/Z = 1/far + c (1/near - 1/far)
  *
  *     shift_i(c) = (beta_i - beta) disparity (plane - c)      (lf_rgbd_shift)
- *     disparity  = B D (1/near - 1/far) / W                   B = b_last - b_first
+ *     disparity  = B D (1/near - 1/far) / W
  *     plane      = (1/D - 1/far) / (1/near - 1/far)           the code that stands in the glass
  *
  * beta_i = b_i / B: from -1/2 to 1/2. Near points move to the left from view 0 to the last one.
@@ -75,7 +75,7 @@ lf_rgbd_in lf_rgbd_side_of(const lf_standing *standing, const char *path);
 
 /* A picture with depth, and how it becomes views. */
 typedef struct lf_rgbd {
-    lf_rgbd_in side;   /* not AUTO or OFF */
+    lf_rgbd_in side; /* not AUTO or OFF */
     bool near_is_black;
     bool is_hue;
     double disparity, plane; /* see above; in widths of the picture; plane may be outside 0..1 */
@@ -96,7 +96,7 @@ lf_rgbd lf_rgbd_of(const lf_standing *standing, lf_rgbd_in side, const lf_image_
 LF_NODISCARD lf_status lf_rgbd_size(lf_rgbd_in side, int width, int height, const char *where,
                                     int *out_width, int *out_height, lf_error *err);
 
-/* Position beta of a camera of n_views: -1/2 leftmost to 1/2; 0 for one view. */
+/* Position beta of a camera of n_views: -1/2 leftmost to 1/2; the picture's own for one view. */
 double lf_rgbd_camera(const lf_rgbd *rgbd, int view, int n_views);
 /* How far a point with this code moves to the right in a view, in widths of the picture (focus is
  * in widths of the view and not included). */
