@@ -21,7 +21,7 @@ static const char *const switches[] = {"off", "on", NULL};
 /* clang-format off */
 const lf_param lf_standing_params[] = {
     {.name = "rgbd_in", .option = "rgbd-in", .argument = "SIDE", PLACE(rgbd_in),
-     .type = LF_PARAM_WORD, .words = sides,
+     .type = LF_PARAM_WORD, .words = sides, .optional = true, .low = LF_RGBD_IN_RIGHT,
      .help = "where the depth of an RGBD image is; without SIDE right; auto: right if the name "
              "ends with _rgbd",
      .about = "where the depth of an RGBD image is; auto: right if the name ends with _rgbd"},
@@ -99,6 +99,7 @@ static void take_geometry(const lf_image_depth *d, lf_rgbd *rgbd)
                  middle = floor(d->views / 2);
     if (!(disparity > 0 && disparity <= MOST_DISPARITY))
         return;
+    rgbd->is_known = true;
     rgbd->disparity = disparity;
     rgbd->plane = (1 / d->distance - 1 / d->far) / depth;
     rgbd->cone = cone;
@@ -152,4 +153,15 @@ double lf_rgbd_shift(const lf_rgbd *rgbd, int view, int n_views, double code)
 {
     return (lf_rgbd_camera(rgbd, view, n_views) - rgbd->offset) * rgbd->disparity *
            (rgbd->plane - code);
+}
+
+double lf_rgbd_step(const lf_rgbd *rgbd, int n_views)
+{
+    double most = 0;
+    for (int i = 1; i < n_views; i++)
+        for (int code = 0; code <= 1; code++)
+            most = fmax(most, fabs(lf_rgbd_shift(rgbd, i, n_views, code) -
+                                   lf_rgbd_shift(rgbd, i - 1, n_views, code) +
+                                   2 * rgbd->focus / (n_views - 1)));
+    return most;
 }

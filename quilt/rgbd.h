@@ -78,6 +78,7 @@ typedef struct lf_rgbd {
     lf_rgbd_in side; /* not AUTO or OFF */
     bool near_is_black;
     bool is_hue;
+    bool is_known;           /* the geometry is the file's, not LF_RGBD_DISPARITY */
     double disparity, plane; /* see above; in widths of the picture; plane may be outside 0..1 */
     double offset;           /* beta of the picture's own camera; 0: the middle */
     double cone;             /* radians: cameras stand at tan((t - 1/2) cone); 0: evenly spaced */
@@ -101,6 +102,10 @@ double lf_rgbd_camera(const lf_rgbd *rgbd, int view, int n_views);
 /* How far a point with this code moves to the right in a view, in widths of the picture (focus is
  * in widths of the view and not included). */
 double lf_rgbd_shift(const lf_rgbd *rgbd, int view, int n_views, double code);
+
+/* The largest shift of any code between neighbouring views, with focus, in widths of the picture; 0
+ * for one view. */
+double lf_rgbd_step(const lf_rgbd *rgbd, int n_views);
 
 /* A packed picture with both halves, 8 bits, display encoded. Borrowed. */
 typedef struct lf_rgbd_picture {
@@ -139,6 +144,34 @@ LF_NODISCARD lf_status lf_rgbd_views(const lf_rgbd *rgbd, const lf_rgbd_picture 
                                      const lf_layout *layout, lf_pool *pool, const char *where,
                                      uint8_t *out, lf_error *err);
 
+/* ------------------------------------------------------------------------------------- files -- */
+
+/* A picture with depth from a file. Release with lf_rgbd_file_close; zeroed is empty. */
+typedef struct lf_rgbd_file {
+    lf_raster raster; /* owned; zeroed if the pixels are a caller's */
+    uint8_t *turned;  /* owned: both halves after photo_rotate; NULL: they are the raster's */
+    lf_rgbd rgbd;
+    lf_rgbd_picture picture;
+    int width, height;    /* of the colour half as it is shown */
+    double aspect;        /* width / height of the colour half as it is shown */
+    lf_image_notes notes; /* on features of the file, and on a depth half with colours */
+} lf_rgbd_file;
+/* Takes a decoded picture, which is borrowed until lf_rgbd_file_close. photo: as for lf_quilt_cut,
+ * with its mode and position on the views. name: of the picture, for errors. LF_E_FORMAT: no depth
+ * (no halves, a depth half of one colour), or floats; LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_rgbd_file_take(const lf_raster *raster, const char *name,
+                                         const lf_standing *standing, lf_rgbd_in side,
+                                         const lf_photo *photo, lf_rgbd_file *out, lf_error *err);
+/* Reads a file by name, inside roots (NULL: anywhere). Errors of lf_raster_open, too. */
+LF_NODISCARD lf_status lf_rgbd_file_open(const char *path, const lf_roots *roots,
+                                         const lf_standing *standing, lf_rgbd_in side,
+                                         const lf_photo *photo, lf_rgbd_file *out, lf_error *err);
+/* Draws its views as a finished light field. The caller owns *out. LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_rgbd_file_draw(const lf_rgbd_file *file, const char *name,
+                                         const lf_layout *layout, lf_pool *pool, lf_quilt_file *out,
+                                         lf_error *err);
+void lf_rgbd_file_close(lf_rgbd_file *file);
+
 /* --------------------------------------------------------------------------- finished views -- */
 
 /* True if focus, zoom and crop leave a finished picture as it is. */
@@ -149,5 +182,9 @@ bool lf_standing_is_plain(const lf_standing *standing);
  * it goes on mirrored. pool may be NULL. Allocates nothing. */
 void lf_standing_views8(const lf_standing *standing, const lf_views8 *views, uint8_t *out,
                         lf_pool *pool);
+
+/* Does the same to a quilt file's views, which it replaces. LF_E_ARG: float views; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_quilt_stand(const lf_standing *standing, const char *where,
+                                      lf_quilt_file *quilt, lf_pool *pool, lf_error *err);
 
 #endif
