@@ -10,6 +10,8 @@
  * frame costs the same. Not so long that a moving picture appears to stand still. */
 #define BATCH_SECONDS 0.12
 #define BATCH_SECONDS_COMPLETE 0.2
+/* While a crossfade runs, whose frames come between the batches. */
+#define BATCH_SECONDS_FADE 0.012
 /* Shortest interval between frames, while the picture is incomplete and later; small pictures have
  * short batches. */
 #define FRAME_SECONDS 0.03
@@ -34,6 +36,8 @@ bool engine_has_work(const lf_engine *engine)
 
 static double batch_seconds(const lf_engine *engine)
 {
+    if (engine->fade.runs)
+        return BATCH_SECONDS_FADE;
     return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
 }
 
@@ -199,15 +203,18 @@ static void note_cost(lf_engine *engine)
 
 void engine_post_frame(lf_engine *engine, bool final)
 {
-    engine->owed = false;
+    const bool fits = fit_is_due(engine, final);
+    engine->fade.defers = engine->owed = fits && engine->fit.passes > 0 && engine->fade.runs;
+    if (engine->fade.defers)
+        return;
     engine->frames.again_ns = 0;
-    if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
+    if (fits && fit(engine, final) != LF_OK)
         return;
     engine->frames.at = lf_time_now();
     double cpu = lf_time_cpu();
     int64_t blank;
     lf_views8 views = engine_views_now(engine, &blank);
-    if (blank > 0)
+    if (blank > 0 || (!final && engine_fade_waits(engine)))
         return;
     if (lf_picture_expose(&engine->picture, engine->pool))
         views = engine_views_now(engine, &blank);
@@ -413,6 +420,7 @@ void engine_take_panel(lf_engine *engine, const engine_panel *panel)
 {
     if (panel->number != engine->now.panel.number) {
         engine->now.panel = *panel;
+        engine_fade_end(engine);
         engine->owed = true;
         engine_drop_interlacer(engine);
         engine_post_waiting_card(engine);
@@ -485,7 +493,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
 
 static void start_over(lf_engine *engine)
 {
-    engine->spoiled = engine->converged = false;
+    engine->spoiled = engine->converged = engine->fade.defers = false;
     engine->owed = engine->content && !engine->content->scene;
     engine->level = LF_LEVEL_NONE;
     engine->spent.passes = engine->spent.seconds = 0;
@@ -539,6 +547,7 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
     engine->look.told_of_cut &= before && strcmp(before->file, content->file) == 0;
     engine_end_movie(engine);
     engine->content = lf_content_ref(content);
+    engine_fade_commit(engine, before, content);
     start_over(engine);
     lf_content_unref(before);
     request->generation = ++engine->generation;

@@ -81,10 +81,11 @@ static const lf_method methods[] = {
      lf_method_scene_patch},
     {"quilt.show", "show a quilt that comes by a passed descriptor, as raw pixels or an image file",
      "quilt.show photo.png columns=8 rows=6",
-     OBJECT_WITH("\"columns\",\"rows\"",
+     OBJECT(
          KEY("columns", INTEGER("count") RANGE("1", "64"),
-             "columns of tiles; they divide the width") ","
-         KEY("rows", INTEGER("count") RANGE("1", "64"), "rows of tiles; they divide the height") ","
+             "columns of tiles; they divide the width; required, except with rgbd_in") ","
+         KEY("rows", INTEGER("count") RANGE("1", "64"),
+             "rows of tiles; they divide the height; required, except with rgbd_in") ","
          KEY("views", INTEGER("count") RANGE("1", "4096"), "number of views (columns x rows)") ","
          KEY("aspect", NUMBER("width / height") RANGE("0.01", "100"), "aspect of a view (a tile's)")
          ","
@@ -191,7 +192,9 @@ static const lf_method methods[] = {
     {"device.set", "open another device and set the panel's response",
      "device.set spec=auto gamma=2.2",
      OBJECT_WITH("\"spec\"", KEY("spec", STRING,
-                                 "device as in --device: auto, none, sim:DIR, drm, window, usb")),
+                                 "device as in --device: auto, none, sim:DIR, drm, window, usb") ","
+                 KEY("lend", BOOLEAN("false"),
+                     "with spec none: when this connection ends, open the panel again")),
      lf_method_device_set},
     {"device.calibration", "return the lens calibration of the panel", "device.calibration",
      OBJECT(""), lf_method_device_calibration},
@@ -238,6 +241,7 @@ static const struct {
               {"export", lf_response_params, true},     {"export", lf_rgbd_params, false},
               {"export", lf_photo_params, false},       {"scene.load", lf_alone_params, false},
               {"scene.load", lf_photo_params, false},   {"scene.load", lf_picture_params, false},
+              {"scene.load", lf_standing_params, true}, {"quilt.show", lf_standing_params, true},
               {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
               {"render.set", lf_option_params, true}};
 

@@ -24,10 +24,10 @@ static json_t *frame_json(const lf_shown *shown)
 /* A video shows more frames than clients need to hear of. When it pauses or ends, its last frame is
  * shown once more, as one that does not move. */
 #define FRAME_NEWS_S 0.25
-static bool is_worth_telling(lf_server *server, const lf_shown *shown, bool news)
+static bool is_worth_telling(lf_server *server, const lf_shown *shown)
 {
     const double now = lf_time_now();
-    if (shown->moves && !news && now - server->life.told_of_frame < FRAME_NEWS_S)
+    if (shown->moves && now - server->life.told_of_frame < FRAME_NEWS_S)
         return false;
     server->life.told_of_frame = now;
     return true;
@@ -41,7 +41,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
         lf_show_calibration(server->show))
         lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
-    if (is_worth_telling(server, shown, news))
+    if (news || (!shown->fades && is_worth_telling(server, shown)))
         lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
         return;
@@ -230,6 +230,7 @@ static void queue_load(lf_server *server, lf_load *load)
     if (load->words.said) {
         load->options.alone = load->words.alone;
         load->options.photo = load->words.photo;
+        load->options.standing = load->words.standing;
     }
     const lf_calibration *calibration = lf_show_calibration(server->show);
     load->has_calibration = calibration;

@@ -59,6 +59,7 @@ static void print_help(void)
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
+    lf_param_print_help(lf_standing_params, NULL);
     printf("  --state DIR            keep rendering states in DIR across restarts\n"
            "  --allow-path DIR       let clients read files below DIR (repeatable)\n"
            "  --export-dir DIR       let clients write files below DIR\n"
@@ -144,6 +145,7 @@ int main(int argc, char *argv[])
                                      {lf_alone_params, NULL, &config.options.alone},
                                      {lf_photo_params, NULL, &config.options.photo},
                                      {lf_picture_params, NULL, &config.options.photo},
+                                     {lf_standing_params, NULL, &config.options.standing},
                                      {0}};
     const lf_options_rules rules = {.program = PROGRAM,
                                     .letters = ":",
@@ -156,6 +158,7 @@ int main(int argc, char *argv[])
     lf_error err;
     bool done = false;
     lf_button_actions_default(&config.buttons);
+    lf_param_defaults(lf_standing_params, &config.options.standing);
     lf_log_init(PROGRAM, LF_LOG_INFO);
     if (lf_options_read(argc, argv, &rules, &done, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
