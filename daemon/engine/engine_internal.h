@@ -63,6 +63,12 @@ typedef struct engine_news {
     bool controls, panel, card, fade, movie;
 } engine_news;
 
+/* What draws the frames of a video that do not stand as they are decoded; zeroed: nothing. */
+typedef struct engine_drawing {
+    lf_rgbd_warp *warp; /* frames have depth; otherwise NULL */
+    uint8_t *data;      /* the views of the current frame; NULL: as they are decoded */
+} engine_drawing;
+
 /* The video that is shown. */
 typedef struct engine_movie {
     /* under lock */
@@ -70,11 +76,13 @@ typedef struct engine_movie {
     bool is_held;       /* lf_engine_pause_movie */
     uint64_t told_lost; /* `lost`, for others */
     /* owned by the thread */
-    lf_views8 views; /* of its current frame; data NULL: none */
-    bool is_fresh;   /* views were not posted before */
-    bool is_moving;  /* more frames follow; otherwise it is paused or has ended */
-    bool told;       /* its failure was reported */
-    uint64_t lost;   /* frames that could not be posted */
+    engine_drawing next, drawing; /* of the content that is being committed; of the video */
+    lf_views8 frame;              /* the current one, as it was decoded */
+    lf_views8 views;              /* its views as they are shown */
+    bool is_fresh;                /* views were not posted before */
+    bool is_moving;               /* more frames follow; otherwise it is paused or has ended */
+    bool told;                    /* its failure was reported */
+    uint64_t lost;                /* frames that could not be posted */
 } engine_movie;
 
 /* Settings requested by other threads, or in force. */
@@ -233,6 +241,10 @@ lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank);
 void engine_hold_movie(lf_engine *engine);
 /* Posts a frame of what is shown. final: no other frame follows soon. */
 void engine_post_frame(lf_engine *engine, bool final);
+/* Prepares for the frames of a content that is to be committed, if it is a video. */
+lf_status engine_prepare_movie(lf_engine *engine, const lf_content *content, lf_error *err);
+/* Goes on with the video that is shown, after another content could not be committed. */
+void engine_keep_movie(lf_engine *engine);
 /* Starts the video of the content that has just been committed, if it is one. */
 void engine_begin_movie(lf_engine *engine);
 /* Ends the video that is shown, if any, before its content is let go. */

@@ -247,6 +247,63 @@ static void a_bad_video_leaves_the_picture(void **state)
     end(&s);
 }
 
+/* The views that are shown of a file, loaded with these keys, which are taken over. */
+static void get_views(sender *s, const char *name, json_t *keys, uint8_t *out, size_t n)
+{
+    (void)json_object_set_new(keys, "file", json_string(file_in(s, name)));
+    assert_code(s, "scene.load", keys, NULL, 0, 0, "");
+    live_wait(&s->c, "converged");
+    get_frame(s, out, n);
+}
+
+/* Depth, focus and zoom act on a frame as on a picture; without them it differs. */
+static void frames_stand_as_pictures_do(void **state)
+{
+    (void)state;
+    enum { N = 3 * MOVIE_WIDTH * MOVIE_HEIGHT };
+    static uint8_t video[N], picture[N], plain[N];
+    sender s;
+    begin_with(&s, "none");
+    set_paused(&s, true);
+    make(&s, "v" NAMED ".mp4", 3, 10);
+    (void)movie_frame_png(s.l.folder, "p" NAMED ".png", 0);
+    get_views(&s, "v" NAMED ".mp4", json_pack("{s:f, s:f}", "focus", 0.04, "zoom", 1.5), video, N);
+    get_views(&s, "p" NAMED ".png", json_pack("{s:f, s:f}", "focus", 0.04, "zoom", 1.5), picture,
+              N);
+    assert_memory_equal(video, picture, N);
+    get_views(&s, "v" NAMED ".mp4", json_object(), plain, N);
+    assert_memory_not_equal(video, plain, N);
+    end(&s);
+}
+
+/* A video with depth at its right has the views of the same picture. */
+static void a_video_with_depth_becomes_views(void **state)
+{
+    (void)state;
+    sender s;
+    live_prepare(&s.l);
+    live_start(&s.l, NULL, "--device", "none", "--state", s.l.state, "--allow-path", s.l.folder,
+               "--quilt", "3x2", "--views", "6", NULL);
+    live_connect(&s.l, &s.c);
+    enum { N = 3 * MOVIE_WIDTH * MOVIE_HEIGHT };
+    static uint8_t video[N], picture[N], first[N];
+    set_paused(&s, true);
+    make(&s, "v.mp4", 3, 10);
+    (void)movie_frame_png(s.l.folder, "p.png", 0);
+    get_views(&s, "p.png", json_pack("{s:s}", "rgbd_in", "right"), picture, N);
+    get_views(&s, "v.mp4", json_pack("{s:s}", "rgbd_in", "right"), video, N);
+    assert_memory_equal(video, picture, N);
+    memcpy(first, video, N);
+    do { /* and its other frames move */
+        set_paused(&s, false);
+        live_nap(20);
+        set_paused(&s, true);
+    } while (number_now(&s, "frame") == 0);
+    get_frame(&s, video, N);
+    assert_memory_not_equal(video, first, N);
+    end(&s);
+}
+
 static void another_picture_ends_the_video(void **state)
 {
     (void)state;
@@ -417,6 +474,8 @@ int main(void)
         cmocka_unit_test(previews_and_exports_have_the_frame_that_is_shown),
         cmocka_unit_test(clients_hear_of_four_frames_a_second_at_most),
         cmocka_unit_test(a_bad_video_leaves_the_picture),
+        cmocka_unit_test(frames_stand_as_pictures_do),
+        cmocka_unit_test(a_video_with_depth_becomes_views),
         cmocka_unit_test(another_picture_ends_the_video),
         cmocka_unit_test(a_killed_ffmpeg_leaves_the_last_frame_and_a_line),
         cmocka_unit_test(a_stopped_ffmpeg_delays_nothing),
