@@ -318,7 +318,7 @@ void lf_engine_destroy(lf_engine *engine)
     if (engine->life.started)
         pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->lens.interlacer);
-    lf_image8_finish(&engine->card.image);
+    lf_image8_finish(&engine->lens.card.image);
     lf_image8_finish(&engine->fade.from);
     lf_image8_finish(&engine->fade.to);
     lf_renderer_destroy(engine->renderer);

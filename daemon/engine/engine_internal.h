@@ -41,12 +41,6 @@ typedef struct engine_panel {
     lf_calibration calibration;
 } engine_panel;
 
-/* How views become an image of the panel. */
-typedef struct engine_lens {
-    lf_interlacer *interlacer; /* NULL: not made */
-    lf_layout layout;          /* of its views */
-} engine_lens;
-
 /* lf_engine_set_card. */
 typedef struct engine_card {
     char words[LF_CARD_TEXT];
@@ -57,6 +51,13 @@ typedef struct engine_drawn {
     lf_image8 image;
     char words[LF_CARD_TEXT];
 } engine_drawn;
+
+/* How views become an image of the panel. */
+typedef struct engine_lens {
+    lf_interlacer *interlacer; /* NULL: not made */
+    lf_layout layout;          /* of its views */
+    engine_drawn card;         /* the last one */
+} engine_lens;
 
 /* Which orders have changed; movie: the video has a frame or other news. */
 typedef struct engine_news {
@@ -195,7 +196,6 @@ struct lf_engine {
     lf_picture picture;
     lf_schedule schedule;
     engine_lens lens;
-    engine_drawn card; /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
