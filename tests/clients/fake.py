@@ -4,8 +4,8 @@
     fake.py QUILTCTL SOCKET CALIBRATION IPC ORIGIN [MISTAKE]
 
 It listens on the ports of Bridge and of the older service, and shows pictures through quiltctl at the socket of quiltd.
-CALIBRATION: the file of the panel. ORIGIN: pages of this one may call it. Prints a line when it listens. MISTAKES says what may
-be wrong.
+CALIBRATION: the file of the panel. ORIGIN: pages of this one may call it. Prints a line when it listens, and ends with its input.
+MISTAKES says what may be wrong.
 """
 
 import asyncio
@@ -195,7 +195,7 @@ class Fake:
             await asyncio.start_server(self.on_tcp, ["127.0.0.1", "::1"] if os.path.exists("/proc/net/if_inet6") else "127.0.0.1", port)
         await asyncio.start_unix_server(self.on_ipc, self.ipc, limit=1 << 26)
         print("listening", flush=True)
-        await asyncio.Event().wait()
+        await asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
 
 
 if len(sys.argv) not in (6, 7) or (len(sys.argv) == 7 and sys.argv[6] not in MISTAKES):

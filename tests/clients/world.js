@@ -40,8 +40,8 @@ async function openDoors(live, { fake, mistake, options = [], origin }) {
   await rm(ipc, { force: true });
   const command = fake
     ? ["python3", here("fake.py"), built("quiltctl"), live.socket, join(live.folder, "sim/calibration.json"), ipc, origin, ...(mistake ? [mistake] : [])]
-    : [built("quiltweb"), "--socket", live.socket, "--listen", "127.0.0.1:0", "--bridge", "--webxr", `--nng=${ipc}`, "--allow-origin", origin, ...options];
-  const child = spawn(command[0], command.slice(1), { stdio: ["ignore", "pipe", "pipe"] });
+    : [built("quiltweb"), "--socket", live.socket, "--listen", "127.0.0.1:0", "--bridge", "--webxr", `--nng=${ipc}`, "--allow-origin", origin, "--until-input-ends", ...options];
+  const child = spawn(command[0], command.slice(1), { stdio: ["pipe", "pipe", "pipe"] });
   let log = "", said = "";
   child.stderr.on("data", (data) => (log += data));
   child.stdout.on("data", (data) => (said += data));
@@ -55,6 +55,7 @@ async function openDoors(live, { fake, mistake, options = [], origin }) {
 // A program of program.py. Fails with its reason.
 export async function program(name, given = [], input = "") {
   const call = run("python3", [here("program.py"), name, ...given], { maxBuffer: 1 << 26, timeout: 2 * PATIENCE_MS });
+  call.child.stdin.on("error", () => {}); // a program that stops reads no picture
   call.child.stdin.end(input);
   const { stdout } = await call.catch((error) => {
     throw new Error(error.stderr?.trim() || error.message);
@@ -111,7 +112,7 @@ export async function eventually(what) {
 export class World {
   static async make() {
     const files = { "sim/calibration.json": JSON.stringify(PANEL) };
-    const options = ["--device", "sim:sim", "--view-size", `${WIDTH}x${HEIGHT}`, "--threads", "1", "--run-for", "3600"];
+    const options = ["--device", "sim:sim", "--view-size", `${WIDTH}x${HEIGHT}`, "--threads", "1", "--run-for", "1800"];
     const world = new World();
     world.live = await start({ options, files });
     return world;
