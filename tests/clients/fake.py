@@ -118,9 +118,7 @@ class Fake:
         reply = {"error": 0, "version": "1.2.0"}
         if name == "info":
             reply["devices"] = [self.device()]
-        elif name == "show" and "quilt" not in of:
-            reply["error"] = 3
-        elif name == "show":
+        elif name == "show" and "quilt" in of:
             reply["error"] = 0 if await self.show_bmp(request["bin"], of["quilt"]["settings"]) else 3
         if self.mistake == "no error":
             del reply["error"]

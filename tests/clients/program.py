@@ -2,7 +2,7 @@
 """Says what programs for Looking Glass panels say, request by request, without any package.
 
     program.py alice SOCKET            AliceLG: init, info, a picture of QUILT (stdin), without reading the reply to it
-    program.py demo SOCKET             AliceLG: show without a picture
+    program.py demo SOCKET             AliceLG: show without a picture, hide and wipe
     program.py vtk SOCKET              the library of VTK's module: init and info
     program.py nngcat URL              what nng's own client gets for info
     program.py bindata SOCKET|ws       as alice, but reads the reply to show
@@ -187,7 +187,9 @@ def alice(where):
 
 def demo(where):
     service, _ = initialised(where, "Alice/LG")
-    return service.call({"cmd": {"show": {"targetDisplay": 0}}})
+    # the target of wipe is beside it
+    commands = {"show": {"targetDisplay": 0}}, {"hide": {"targetDisplay": 0}}, {"targetDisplay": 0, "wipe": {}}
+    return [service.call({"cmd": command, **({} if "show" in command else {"bin": b""})}) for command in commands]
 
 
 def vtk(where):

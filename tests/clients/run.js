@@ -40,8 +40,9 @@ function missing({ needs }) {
 async function runAll(world, list, prefix = "") {
   for (const step of list) {
     const skipped = missing(step);
+    const before = world.doors.log().length;
     const why = skipped ? "" : await step.run(world).then(() => "", shortly);
-    say(prefix + step.name, why, skipped);
+    say(prefix + step.name, why && `${why}\nlog of the gateway:\n${world.doors.log().slice(before).slice(-2000)}`, skipped);
   }
 }
 

@@ -16,7 +16,7 @@ const here = (name) => new URL(name, import.meta.url).pathname;
 const built = (name) => join(process.env.QUILTD_BUILD, name);
 
 export const PORTS = [33334, 9724, 11222];
-const PATIENCE_MS = 60000, LOOK_MS = 100;
+const PATIENCE_MS = 1000 * Number(process.env.CLIENTS_PATIENCE ?? 60), LOOK_MS = 100;
 
 // A panel whose picture a software renderer can draw. Real ones lack fringe and verticalAngle, too.
 export const PANEL = {
