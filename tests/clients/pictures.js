@@ -32,8 +32,8 @@ function png(width, height, at) {
 }
 const viewAt = (x, y) => (ROWS - 1 - Math.floor(y / HEIGHT)) * COLUMNS + Math.floor(x / WIDTH);
 export const quilt = (red) => png(COLUMNS * WIDTH, ROWS * HEIGHT, (x, y) => colour(red, viewAt(x, y)));
-// One colour in front of the panel's plane, and its depth at the right.
-export const rgbd = (red) => png(2 * WIDTH, HEIGHT, (x) => (x < WIDTH ? [red, 90, 40] : [128, 128, 128]));
+// One colour on a plane that leans a little, and its depth at the right.
+export const rgbd = (red) => png(2 * WIDTH, HEIGHT, (x, y) => (x < WIDTH ? [red, 90, 40] : Array(3).fill(120 + Math.floor(y / 5))));
 
 // A quilt without a file, as program.py reads it.
 export function picture(red) {

@@ -67,7 +67,7 @@ async function control(world, { browserSteps }) {
   for (const [mistake, name] of Object.entries(SEEN_BY)) {
     const last = all.findIndex((step) => step.name === name);
     if (last < 0) {
-      say(`control: a gateway with the mistake "${mistake}" is found`, "", noBrowser);
+      say(`a gateway with the mistake "${mistake}" is found`, "", noBrowser);
       continue;
     }
     // what the step needs: a program that is connected, or a page that is open
@@ -75,7 +75,7 @@ async function control(world, { browserSteps }) {
     await before(world, { fake: true, mistake }, async () => {
       let found = "";
       for (const step of wanted) found = missing(step) ? "skip" : await step.run(world).then(() => "", shortly);
-      say(`control: a gateway with the mistake "${mistake}" is found`, found ? "" : `"${name}" passed`, missing(all[last]));
+      say(`a gateway with the mistake "${mistake}" is found`, found ? "" : `"${name}" passed`, missing(all[last]));
     });
   }
 }
