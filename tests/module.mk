@@ -85,8 +85,10 @@ wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 # time that passes when the test says so
 wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 wrap_test_web_clients := $(wrap_test_web_time)
-wrap_test_doors_hostile := $(wrap_test_web_time)
 wrap_test_nng := $(wrap_test_web_time)
+
+# clients of all doors, whose time passes in the same way
+wrap_test_doors_hostile = $(wrap_test_web_time)
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c
