@@ -72,7 +72,7 @@ $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(pa
 wire_srcs := $(call wild,daemon/wire/*.c)
 
 # a gateway with a quiltd that does not exist
-gateway_srcs := tests/web/gateway.c tests/web/caller.c
+gateway_srcs := tests/web/gateway.c tests/web/false_slideshow.c tests/web/caller.c
 
 # a folder that cannot be read
 wrap_test_library_list := -Wl,--wrap=readdir
