@@ -49,6 +49,14 @@
         "number of descriptors (SCM_RIGHTS) that come with the call; quiltd writes to them "       \
         "instead of opening file")
 
+/* Of an entry of the slideshow. */
+#define ENTRY_KEYS                                                                                 \
+    KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),                                        \
+        "time from the first frame that is shown (a video once through; others the list's)") ","   \
+    KEY("quilt", STRING, "tiles COLUMNSxROWS of an image whose name has no _qs suffix") ","        \
+    KEY("aspect", NUMBER("width over height") RANGE("0.01", "100"),                                \
+        "aspect of the displayed image (the file's)")
+
 static const lf_method methods[] = {
     {"hello", "return version, protocol, methods and notifications", "hello", OBJECT(""),
      lf_method_hello},
@@ -126,14 +134,21 @@ static const lf_method methods[] = {
      lf_method_time_stop},
     {"playlist.set", "replace the entries of the slideshow",
      "playlist.set entries:=[{\"file\":\"/srv/a.png\",\"seconds\":10}]",
-     OBJECT_WITH("\"entries\"",
+     OBJECT(
          KEY("entries", "\"type\":\"array\",\"maxItems\":1000,\"items\":"
-             OBJECT_WITH("\"file\",\"seconds\"",
+             OBJECT_WITH("\"file\"",
                  KEY("file", STRING, "absolute path of a scene, model, volume or image") ","
-                 KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),
-                     "time from the first frame that is shown")),
-             "what to show, in this order: each {file, seconds}; an empty list stops") ","
-         KEY("loop", BOOLEAN("true"), "start again after the last entry")),
+                 ENTRY_KEYS),
+             "what to show, in this order: each {file} and the keys of playlist.change; an empty "
+             "list stops") ","
+         KEY("folder", STRING,
+             "folder whose pictures, quilts, videos, scenes, models and volumes are shown in natural "
+             "order, instead of entries") ","
+         KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400") DEFAULT("10"),
+             "time of entries that have none and are no videos") ","
+         KEY("loop", BOOLEAN("true"), "start again after the last entry") ","
+         KEY("crossfade", NUMBER("seconds") RANGE("0", "10") DEFAULT("0"),
+             "time in which an image turns into the next one")),
      lf_server_playlist_set},
     {"playlist.get", "return the slideshow", "playlist.get", OBJECT(""), lf_server_playlist_get},
     {"playlist.play", "start the slideshow, or go to an entry", "playlist.play index=0",
@@ -142,6 +157,16 @@ static const lf_method methods[] = {
      lf_server_playlist_play},
     {"playlist.stop", "stop the slideshow at the current entry", "playlist.stop", OBJECT(""),
      lf_server_playlist_stop},
+    {"playlist.pause", "pause the slideshow, or let it go on", "playlist.pause paused=true",
+     OBJECT(KEY("paused", BOOLEAN("true"),
+                "true: the entry stays, and a video holds its frame; false: its time goes on")),
+     lf_server_playlist_pause},
+    {"playlist.change", "change keys of an entry of the slideshow",
+     "playlist.change index=0 seconds=20",
+     OBJECT(KEY("index", INTEGER("count") RANGE("0", "999"),
+                "entry to change, from 0 (the current one)") ","
+            ENTRY_KEYS),
+     lf_server_playlist_change},
     {"playlist.next", "show the next entry of the slideshow", "playlist.next", OBJECT(""),
      lf_server_playlist_next},
     {"playlist.previous", "show the previous entry of the slideshow", "playlist.previous",

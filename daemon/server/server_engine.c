@@ -157,6 +157,8 @@ static void load_failed(lf_server *server, const lf_load *load)
         call_failed(server, load);
         return;
     }
+    if (load->job.listed && !server->content && !ended)
+        server->error = load->err; /* for the card */
     if (!load->played && !load->job.listed && !ended) {
         lf_log_error(&load->err);
         server->error = load->err;
@@ -187,10 +189,11 @@ static void on_load_done(void *reader, lf_task *task)
     if (load->played)
         lf_play_loaded(server->play, load->generation, load->status == LF_OK ? NULL : &load->err);
     if (load->job.listed)
-        lf_playlist_loaded(server->gallery.playlist, load->generation,
+        lf_playlist_loaded(server->gallery.playlist, load->generation, false,
                            load->status == LF_OK ? NULL : &load->err);
     bool browsed = load->job.browsed;
-    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !load->job.listed;
+    const bool listed = load->job.listed;
+    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !listed;
     if (browsed && !lf_server_is_stopping(server))
         lf_presses_browsed(server->presses, load->file);
     if (load->reset && !lf_server_is_stopping(server))
@@ -207,6 +210,8 @@ static void on_load_done(void *reader, lf_task *task)
         lf_server_shutdown(server);
     } else if (plain) {
         lf_server_reloaded(server);
+        lf_server_ready(server);
+    } else if (listed) {
         lf_server_ready(server);
     }
 }
@@ -235,6 +240,10 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
     load->deferred = deferred;
     if (load->kind == LF_LOAD_FILE && deferred) /* a client shows something else */
         lf_playlist_stop(server->gallery.playlist);
+    if (load->kind == LF_LOAD_FILE)
+        lf_engine_set_fade(
+            server->engine,
+            load->job.listed ? lf_playlist_now(server->gallery.playlist).how.crossfade : 0);
     if (server->life.phase != LF_PHASE_OPENING) {
         queue_load(server, load);
         return;
@@ -342,7 +351,9 @@ void lf_server_begin(lf_server *server)
     if (server->life.phase != LF_PHASE_OPENING)
         return;
     server->life.phase = LF_PHASE_RUNNING;
-    if (server->config.scene)
+    if (server->config.playlist.folder)
+        lf_server_begin_playlist(server);
+    else if (server->config.scene)
         load_first(server, server->config.scene);
     else
         lf_server_ready(server);

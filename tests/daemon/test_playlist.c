@@ -12,18 +12,20 @@ typedef struct owner {
     lf_playlist *list;
     char asked[16]; /* asked for last, and not looked at yet; "": nothing */
     bool on_its_way, refuses;
+    bool once; /* as it was asked for last */
     int n_vain, n_changed;
     int64_t generation;
 } owner;
 
-static bool on_due(void *context, const char *file)
+static bool on_due(void *context, const lf_playlist_entry *entry, bool once)
 {
     owner *o = context;
     assert_string_equal(o->asked, "");
     assert_false(o->on_its_way); /* one at a time */
     if (o->refuses)
         return false;
-    snprintf(o->asked, sizeof o->asked, "%s", file);
+    snprintf(o->asked, sizeof o->asked, "%s", entry->file);
+    o->once = once;
     o->on_its_way = true;
     return true;
 }
@@ -73,7 +75,8 @@ static void set(owner *o, const char *files, bool loop)
         const char name[2] = {files[i], '\0'};
         entries[i] = (lf_playlist_entry){.file = lf_strdup(name), .seconds = 1 + i};
     }
-    lf_playlist_set(o->list, entries, n, loop);
+    const lf_playlist_how how = {.seconds = 30, .loop = loop};
+    lf_playlist_set(o->list, entries, n, &how);
 }
 
 /* The file that was asked for since the last look. */
@@ -89,7 +92,7 @@ static void load(owner *o)
 {
     assert_true(o->on_its_way);
     o->on_its_way = false;
-    lf_playlist_loaded(o->list, ++o->generation, NULL);
+    lf_playlist_loaded(o->list, ++o->generation, false, NULL);
 }
 
 static void fail_load(owner *o)
@@ -98,7 +101,7 @@ static void fail_load(owner *o)
     (void)lf_error_set(&err, LF_E_FORMAT, "file", "is damaged");
     assert_true(o->on_its_way);
     o->on_its_way = false;
-    lf_playlist_loaded(o->list, 0, &err);
+    lf_playlist_loaded(o->list, 0, false, &err);
 }
 
 static void show(owner *o, lf_level level)
