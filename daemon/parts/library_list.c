@@ -12,6 +12,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/file.h"
+#include "daemon/media/movie.h"
 #include "daemon/wire/rpc.h"
 #include "quilt/quilt.h"
 #include "render/render.h"
@@ -60,6 +61,8 @@ static const char *kind_of_name(const char *name)
         return "quilt";
     if (image)
         return is_float_ending(image) ? ENVIRONMENT : "image";
+    if (lf_movie_ending(name))
+        return "video";
     return lf_path_has_ending(name, ".json") ? "scene" : lf_alone_kind(name);
 }
 

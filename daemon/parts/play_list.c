@@ -260,7 +260,7 @@ void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, bool is_movie
 void lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err)
 {
     if (!playlist->playing || !playlist->loaded || !playlist->is_movie ||
-        generation != playlist->pace.generation || playlist->pace.on_its_way)
+        generation < playlist->pace.generation || playlist->pace.on_its_way)
         return;
     if (err) {
         tell_failure(playlist, err);

@@ -86,7 +86,8 @@ void lf_playlist_step(lf_playlist *playlist, int step);
  * time starts again. If all entries fail one after another, the list stops with a line. */
 void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, bool is_movie,
                         const lf_error *err);
-/* The video of this generation has played through once more, or cannot go on (err). */
+/* The video of this generation has played through, once more or for good, or cannot go on (err).
+ * May be repeated. */
 void lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err);
 /* The panel shows this generation at this level. */
 void lf_playlist_shown(lf_playlist *playlist, int64_t generation, lf_level level);

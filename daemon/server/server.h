@@ -3,7 +3,9 @@
 #define LF_DAEMON_SERVER_H
 
 #include "base/paths.h"
+#include "daemon/engine/engine.h"
 #include "daemon/output/options.h"
+#include "daemon/parts/play_list.h"
 #include "daemon/server/button_actions.h"
 
 #define LF_SERVER_WEB_PORT 8033 /* default of --web */

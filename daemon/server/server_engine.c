@@ -56,6 +56,7 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
     lf_engine_state before = server->last.state;
     lf_engine_get_status(server->engine, &server->last);
     lf_show_pump(server->show);
+    lf_server_look_at_movie(server);
     lf_jobs_start(server->jobs);
     if (server->last.state != before)
         lf_server_tell_status(server);
@@ -189,8 +190,7 @@ static void on_load_done(void *reader, lf_task *task)
     if (load->played)
         lf_play_loaded(server->play, load->generation, load->status == LF_OK ? NULL : &load->err);
     if (load->job.listed)
-        lf_playlist_loaded(server->gallery.playlist, load->generation, false,
-                           load->status == LF_OK ? NULL : &load->err);
+        lf_server_entry_loaded(server, load);
     bool browsed = load->job.browsed;
     const bool listed = load->job.listed;
     bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !listed;

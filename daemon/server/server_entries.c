@@ -40,7 +40,7 @@ lf_status lf_server_take_entry(const json_t *from, lf_playlist_entry *entry, lf_
     return LF_OK;
 }
 
-/* An image whose name has no tiles is shown as one view. */
+/* An image or video whose name has no tiles is shown as one view. */
 lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry *entry,
                                 lf_load_words *words, lf_error *err)
 {
@@ -53,7 +53,7 @@ lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry
     words->photo.aspect = json_number_value(json_object_get(entry->keys, "aspect"));
     if (quilt && lf_parse_tiles(quilt, &words->columns, &words->rows, &why) != LF_OK)
         return refuse_key("quilt", why.what, err);
-    if (!quilt && lf_image_ending(entry->file) &&
+    if (!quilt && (lf_image_ending(entry->file) || lf_movie_ending(entry->file)) &&
         !lf_layout_from_name(entry->file, &columns, &rows, &aspect))
         words->columns = words->rows = 1;
     return LF_OK;

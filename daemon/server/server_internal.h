@@ -94,6 +94,9 @@ typedef struct lf_gallery {
     lf_played_folder folder;
     lf_errands *checks; /* entries of playlist.set */
     int64_t listed;     /* number of the playlist's last load */
+    bool holds;         /* the video that is shown is paused with the playlist */
+    /* the video's rounds when it was last looked at, and its generation */
+    int64_t rounds, round_of;
 } lf_gallery;
 
 /* The daemon from its start to its end: server.c. */
@@ -279,6 +282,10 @@ void lf_server_playlist_pause(lf_call *call);
 void lf_server_playlist_change(lf_call *call);
 void lf_server_playlist_next(lf_call *call);
 void lf_server_playlist_previous(lf_call *call);
+/* The load of an entry has ended. */
+void lf_server_entry_loaded(lf_server *server, const lf_load *load);
+/* The video that is shown may have ended. */
+void lf_server_look_at_movie(lf_server *server);
 /* The playlist as in `status`; null: no entries. */
 json_t *lf_server_playlist_json(const lf_server *server);
 /* The playlist as in answers and notifications; one entry of it. NULL: out of memory. */

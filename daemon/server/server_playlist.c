@@ -54,7 +54,7 @@ static bool on_due(void *context, const lf_playlist_entry *entry, bool once)
         lf_load_destroy(load);
         return false;
     }
-    (void)once;
+    load->words.plays_once = once;
     load->job.listed = load->fresh = true;
     lf_server_load(server, load, NULL);
     server->gallery.listed = load->job.id;
@@ -67,11 +67,48 @@ static void on_vain(void *context)
     lf_server_cancel_load(server, server->gallery.listed);
 }
 
+/* Another content starts unpaused. */
+static void hold_movie(lf_server *server)
+{
+    const bool paused = lf_playlist_now(server->gallery.playlist).paused;
+    if (paused != server->gallery.holds)
+        lf_engine_pause_movie(server->engine, paused);
+    server->gallery.holds = paused;
+}
+
 static void on_changed(void *context)
 {
-    const lf_server *server = context;
+    lf_server *server = context;
+    hold_movie(server);
     lf_notify(server->clients, LF_EVENT_PLAYLIST, "playlist",
               lf_server_whole_playlist_json(server));
+}
+
+void lf_server_entry_loaded(lf_server *server, const lf_load *load)
+{
+    const bool failed = load->status != LF_OK;
+    if (!failed) {
+        server->gallery.holds = false;
+        hold_movie(server);
+    }
+    lf_playlist_loaded(server->gallery.playlist, load->generation,
+                       !failed && server->content->player, failed ? &load->err : NULL);
+    lf_server_look_at_movie(server); /* it may have ended already */
+}
+
+void lf_server_look_at_movie(lf_server *server)
+{
+    lf_gallery *gallery = &server->gallery;
+    const int64_t generation = server->last.generation;
+    lf_movie_status now;
+    if (!lf_engine_get_movie(server->engine, &now))
+        return;
+    const bool more = generation == gallery->round_of && now.player.rounds > gallery->rounds;
+    gallery->round_of = generation;
+    gallery->rounds = now.player.rounds;
+    if (now.player.failed || now.player.ended || more)
+        lf_playlist_played(gallery->playlist, generation,
+                           now.player.failed ? &now.player.err : NULL);
 }
 
 lf_status lf_server_make_playlist(lf_server *server)

@@ -5,9 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
-#include "daemon/engine/engine.h"
 #include "daemon/output/output.h"
-#include "daemon/parts/play_list.h"
 #include "daemon/server/server.h"
 #include "device/device.h"
 
