@@ -13,6 +13,8 @@ typedef struct lf_content {
     lf_scene *scene;             /* NULL: a quilt picture */
     lf_quilt_file quilt;         /* when scene is NULL; of a video it has only layout and notes */
     lf_player *player;           /* a video; NULL: none. The engine starts and stops it */
+    bool is_rgbd;                /* its views were drawn from a picture with depth */
+    lf_standing standing;        /* when scene is NULL: how it stands */
     char *file;                  /* absolute path of its source file; patches do not change it */
     json_t *sent;                /* the document that a client sent; NULL: it is in file, which is
                                   * only a name otherwise */

@@ -53,9 +53,7 @@
 #define ENTRY_KEYS                                                                                 \
     KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),                                        \
         "time from the first frame that is shown (a video once through; others the list's)") ","   \
-    KEY("quilt", STRING, "tiles COLUMNSxROWS of an image whose name has no _qs suffix") ","        \
-    KEY("aspect", NUMBER("width over height") RANGE("0.01", "100"),                                \
-        "aspect of the displayed image (the file's)")
+    KEY("quilt", STRING, "tiles COLUMNSxROWS of an image or video whose name has no _qs suffix")
 
 static const lf_method methods[] = {
     {"hello", "return version, protocol, methods and notifications", "hello", OBJECT(""),
@@ -89,10 +87,11 @@ static const lf_method methods[] = {
      lf_method_scene_patch},
     {"quilt.show", "show a quilt that comes by a passed descriptor, as raw pixels or an image file",
      "quilt.show photo.png columns=8 rows=6",
-     OBJECT_WITH("\"columns\",\"rows\"",
+     OBJECT(
          KEY("columns", INTEGER("count") RANGE("1", "64"),
-             "columns of tiles; they divide the width") ","
-         KEY("rows", INTEGER("count") RANGE("1", "64"), "rows of tiles; they divide the height") ","
+             "columns of tiles; they divide the width; required, except with rgbd_in") ","
+         KEY("rows", INTEGER("count") RANGE("1", "64"),
+             "rows of tiles; they divide the height; required, except with rgbd_in") ","
          KEY("views", INTEGER("count") RANGE("1", "4096"), "number of views (columns x rows)") ","
          KEY("aspect", NUMBER("width / height") RANGE("0.01", "100"), "aspect of a view (a tile's)")
          ","
@@ -263,6 +262,7 @@ static const struct {
               {"export", lf_response_params, true},     {"export", lf_rgbd_params, false},
               {"export", lf_photo_params, false},       {"scene.load", lf_alone_params, false},
               {"scene.load", lf_photo_params, false},   {"scene.load", lf_picture_params, false},
+              {"scene.load", lf_standing_params, true}, {"quilt.show", lf_standing_params, true},
               {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
               {"render.set", lf_option_params, true}};
 
@@ -290,12 +290,21 @@ static json_t *table_schema(const lf_param *params, bool keeps)
     return schema;
 }
 
+/* What a file looks like in a slideshow, as with scene.load. */
+static const lf_param *const entry_tables[] = {lf_alone_params, lf_photo_params, lf_picture_params,
+                                               lf_standing_params, NULL};
+
 static void add_properties(const char *method, json_t *schema)
 {
+    json_t *properties = json_object_get(schema, "properties"),
+           *items = json_object_get(json_object_get(properties, "entries"), "items");
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         if (strcmp(tables[i].method, method) == 0)
-            json_object_update_new(json_object_get(schema, "properties"),
-                                   table_schema(tables[i].params, tables[i].keeps));
+            json_object_update_new(properties, table_schema(tables[i].params, tables[i].keeps));
+    if (items || strcmp(method, "playlist.change") == 0)
+        for (int i = 0; entry_tables[i]; i++)
+            json_object_update_new(items ? json_object_get(items, "properties") : properties,
+                                   table_schema(entry_tables[i], true));
 }
 
 /* The kinds of export: kinds of pictures, and the daemon's own. */

@@ -222,6 +222,7 @@ static void queue_load(lf_server *server, lf_load *load)
     if (load->words.said) {
         load->options.alone = load->words.alone;
         load->options.photo = load->words.photo;
+        load->options.standing = load->words.standing;
     }
     const lf_calibration *calibration = lf_show_calibration(server->show);
     load->has_calibration = calibration;

@@ -3,11 +3,13 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
 #include "base/image_io.h"
 #include "base/log.h"
 #include "daemon/parts/library_list.h"
 #include "daemon/server/server_internal.h"
 #include "quilt/quilt.h"
+#include "quilt/rgbd.h"
 
 /* Of the entries as JSON: they are in each answer and notification. */
 #define MOST_BYTES ((size_t)256 << 10)
@@ -40,23 +42,53 @@ lf_status lf_server_take_entry(const json_t *from, lf_playlist_entry *entry, lf_
     return LF_OK;
 }
 
-/* An image or video whose name has no tiles is shown as one view. */
+/* The keys that files without a scene have. */
+static lf_status read_keys(const json_t *keys, lf_load_words *words, lf_error *err)
+{
+    lf_status status = lf_param_from_json(lf_alone_params, keys, &words->alone, "playlist", err);
+    if (status == LF_OK)
+        status = lf_param_from_json(lf_photo_params, keys, &words->photo, "playlist", err);
+    if (status == LF_OK)
+        status = lf_param_from_json(lf_picture_params, keys, &words->photo, "playlist", err);
+    return status == LF_OK
+               ? lf_param_from_json(lf_standing_params, keys, &words->standing, "playlist", err)
+               : status;
+}
+
+static bool is_rgbd(const lf_playlist_entry *entry, const lf_load_words *words)
+{
+    return lf_rgbd_side_of(&words->standing, entry->file) != LF_RGBD_IN_OFF;
+}
+
+/* An image or video whose name has no tiles, and no depth, is shown as one view. */
+static bool is_plain(const lf_playlist_entry *entry, const lf_load_words *words)
+{
+    int columns, rows;
+    double aspect;
+    return (lf_image_ending(entry->file) || lf_movie_ending(entry->file)) &&
+           !lf_layout_from_name(entry->file, &columns, &rows, &aspect) && !is_rgbd(entry, words);
+}
+
 lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry *entry,
                                 lf_load_words *words, lf_error *err)
 {
     const char *quilt = json_string_value(json_object_get(entry->keys, "quilt"));
-    int columns, rows;
-    double aspect;
     lf_error why;
-    *words = (lf_load_words){.alone = server->config.options.alone, .photo = server->options.photo};
-    words->said = entry->keys;
-    words->photo.aspect = json_number_value(json_object_get(entry->keys, "aspect"));
-    if (quilt && lf_parse_tiles(quilt, &words->columns, &words->rows, &why) != LF_OK)
+    *words = (lf_load_words){.said = entry->keys,
+                             .alone = server->config.options.alone,
+                             .photo = server->options.photo,
+                             .standing = server->config.options.standing};
+    if (entry->keys && lf_path_has_ending(entry->file, ".json"))
+        return refuse_key(json_object_iter_key(json_object_iter(entry->keys)),
+                          "applies only to files without a scene; set it in the scene file instead",
+                          err);
+    lf_status status = entry->keys ? read_keys(entry->keys, words, err) : LF_OK;
+    if (status == LF_OK && quilt &&
+        lf_parse_tiles(quilt, &words->columns, &words->rows, &why) != LF_OK)
         return refuse_key("quilt", why.what, err);
-    if (!quilt && (lf_image_ending(entry->file) || lf_movie_ending(entry->file)) &&
-        !lf_layout_from_name(entry->file, &columns, &rows, &aspect))
+    if (status == LF_OK && !quilt && is_plain(entry, words))
         words->columns = words->rows = 1;
-    return LF_OK;
+    return status;
 }
 
 /* ---------------------------------------------------------------------------------- checking -- */

@@ -65,6 +65,7 @@ static void print_help(void)
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
+    lf_param_print_help(lf_standing_params, NULL);
     printf(
         "  --playlist FOLDER      show the pictures, quilts, videos, scenes and models in FOLDER "
         "in turn,\n"
@@ -183,6 +184,7 @@ int main(int argc, char *argv[])
                                      {lf_alone_params, NULL, &config.options.alone},
                                      {lf_photo_params, NULL, &config.options.photo},
                                      {lf_picture_params, NULL, &config.options.photo},
+                                     {lf_standing_params, NULL, &config.options.standing},
                                      {0}};
     const lf_options_rules rules = {.program = PROGRAM,
                                     .letters = ":",
@@ -195,6 +197,7 @@ int main(int argc, char *argv[])
     lf_error err;
     bool done = false;
     lf_button_actions_default(&config.buttons);
+    lf_param_defaults(lf_standing_params, &config.options.standing);
     lf_log_init(PROGRAM, LF_LOG_INFO);
     if (lf_options_read(argc, argv, &rules, &done, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
