@@ -192,9 +192,26 @@ static lf_status check(lf_errand *errand, lf_error *err)
 
 /* ------------------------------------------------------------------------------- the outcome -- */
 
+/* Files that stay keep the keys of playlist.change. Both lists are in the order of the folder. */
+static void keep_changes(const lf_server *server, checking *c)
+{
+    const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
+    int at = 0;
+    for (int i = 0; i < c->n; i++) {
+        while (at < now.n && strverscmp(now.entries[at].file, c->entries[i].file) < 0)
+            at++;
+        if (at == now.n || strcmp(now.entries[at].file, c->entries[i].file) != 0)
+            continue;
+        c->entries[i].seconds = now.entries[at].seconds;
+        c->entries[i].keys = json_incref(now.entries[at].keys);
+    }
+}
+
 static void take(lf_server *server, checking *c)
 {
     lf_gallery *gallery = &server->gallery;
+    if (c->folder && !c->deferred && !c->begins)
+        keep_changes(server, c);
     if (c->more)
         lf_log(LF_LOG_WARNING, "%s: the folder has too many files; the slideshow has the first %d",
                c->folder, c->n);
