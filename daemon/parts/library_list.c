@@ -292,8 +292,7 @@ lf_status lf_library_list_of(const lf_roots *roots, const char *folder, const lf
     return status;
 }
 
-/* ----------------------------------------------------------------------------- for slideshows --
- */
+/* ---------------------------------------------------------------------------- for slideshows -- */
 
 void lf_library_files_finish(lf_library_files *files)
 {

@@ -141,8 +141,8 @@ static const lf_method methods[] = {
              "what to show, in this order: each {file} and the keys of playlist.change; an empty "
              "list stops") ","
          KEY("folder", STRING,
-             "folder whose pictures, quilts, videos, scenes, models and volumes are shown in natural "
-             "order, instead of entries") ","
+             "folder whose pictures, quilts, videos, scenes, models and volumes are shown in "
+             "natural order, instead of entries") ","
          KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400") DEFAULT("10"),
              "time of entries that have none and are no videos") ","
          KEY("loop", BOOLEAN("true"), "start again after the last entry") ","

@@ -16,6 +16,31 @@
 /* Clients whose entries are checked at the same time; the others wait. */
 #define CHECKS_AT_ONCE 2
 
+/* -------------------------------------------------------------------------------------- told -- */
+
+json_t *lf_server_entry_json(const lf_playlist_entry *entry)
+{
+    json_t *json = entry->keys ? json_copy(entry->keys) : json_object();
+    (void)json_object_set_new(json, "file", lf_rpc_text(entry->file));
+    if (entry->seconds > 0)
+        (void)json_object_set_new(json, "seconds", json_real(entry->seconds));
+    return json;
+}
+
+json_t *lf_server_whole_playlist_json(const lf_server *server)
+{
+    const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
+    const char *folder = server->gallery.folder.path;
+    json_t *entries = json_array();
+    for (int i = 0; i < now.n; i++)
+        (void)json_array_append_new(entries, lf_server_entry_json(&now.entries[i]));
+    return json_pack("{s:o, s:o, s:b, s:i, s:b, s:b, s:b, s:f, s:f}", "entries", entries, "folder",
+                     folder ? lf_rpc_text(folder) : json_null(), "more",
+                     (int)server->gallery.folder.more, "index", now.index, "playing",
+                     (int)now.playing, "paused", (int)now.paused, "loop", (int)now.how.loop,
+                     "seconds", now.how.seconds, "crossfade", now.how.crossfade);
+}
+
 /* --------------------------------------------------------------------------------- one entry -- */
 
 static lf_status refuse_key(const char *key, const char *what, lf_error *err)

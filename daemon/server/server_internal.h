@@ -282,15 +282,8 @@ void lf_server_playlist_pause(lf_call *call);
 void lf_server_playlist_change(lf_call *call);
 void lf_server_playlist_next(lf_call *call);
 void lf_server_playlist_previous(lf_call *call);
-/* The load of an entry has ended. */
-void lf_server_entry_loaded(lf_server *server, const lf_load *load);
-/* The video that is shown may have ended. */
-void lf_server_look_at_movie(lf_server *server);
 /* The playlist as in `status`; null: no entries. */
 json_t *lf_server_playlist_json(const lf_server *server);
-/* The playlist as in answers and notifications; one entry of it. NULL: out of memory. */
-json_t *lf_server_whole_playlist_json(const lf_server *server);
-json_t *lf_server_entry_json(const lf_playlist_entry *entry);
 
 /* -------------------------------------------------------------------------- server_entries.c -- */
 
@@ -304,6 +297,9 @@ void lf_server_begin_playlist(lf_server *server);
 /* Lists the folder of a slideshow that plays again; lf_server_reloaded follows. False: it plays no
  * folder. */
 bool lf_server_reread_playlist(lf_server *server);
+/* The playlist as in answers and notifications; one entry of it. NULL: out of memory. */
+json_t *lf_server_whole_playlist_json(const lf_server *server);
+json_t *lf_server_entry_json(const lf_playlist_entry *entry);
 /* Takes seconds, if given, and the keys of an entry from a JSON object; *entry gets a reference to
  * keys. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_take_entry(const json_t *from, lf_playlist_entry *entry,
@@ -312,6 +308,15 @@ LF_NODISCARD lf_status lf_server_take_entry(const json_t *from, lf_playlist_entr
 LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
                                              const lf_playlist_entry *entry, lf_load_words *words,
                                              lf_error *err);
+
+/* ---------------------------------------------------------------------------- server_movie.c -- */
+
+/* Pauses the video of an entry with the playlist. Another content starts unpaused. */
+void lf_server_hold_movie(lf_server *server);
+/* The load of an entry has ended. */
+void lf_server_entry_loaded(lf_server *server, const lf_load *load);
+/* The video that is shown may have ended. */
+void lf_server_look_at_movie(lf_server *server);
 
 /* -------------------------------------------------------------------------- server_library.c -- */
 

@@ -9,29 +9,6 @@
 
 /* -------------------------------------------------------------------------------------- told -- */
 
-json_t *lf_server_entry_json(const lf_playlist_entry *entry)
-{
-    json_t *json = entry->keys ? json_copy(entry->keys) : json_object();
-    (void)json_object_set_new(json, "file", lf_rpc_text(entry->file));
-    if (entry->seconds > 0)
-        (void)json_object_set_new(json, "seconds", json_real(entry->seconds));
-    return json;
-}
-
-json_t *lf_server_whole_playlist_json(const lf_server *server)
-{
-    const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
-    const char *folder = server->gallery.folder.path;
-    json_t *entries = json_array();
-    for (int i = 0; i < now.n; i++)
-        (void)json_array_append_new(entries, lf_server_entry_json(&now.entries[i]));
-    return json_pack("{s:o, s:o, s:b, s:i, s:b, s:b, s:b, s:f, s:f}", "entries", entries, "folder",
-                     folder ? lf_rpc_text(folder) : json_null(), "more",
-                     (int)server->gallery.folder.more, "index", now.index, "playing",
-                     (int)now.playing, "paused", (int)now.paused, "loop", (int)now.how.loop,
-                     "seconds", now.how.seconds, "crossfade", now.how.crossfade);
-}
-
 json_t *lf_server_playlist_json(const lf_server *server)
 {
     const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
@@ -67,48 +44,12 @@ static void on_vain(void *context)
     lf_server_cancel_load(server, server->gallery.listed);
 }
 
-/* Another content starts unpaused. */
-static void hold_movie(lf_server *server)
-{
-    const bool paused = lf_playlist_now(server->gallery.playlist).paused;
-    if (paused != server->gallery.holds)
-        lf_engine_pause_movie(server->engine, paused);
-    server->gallery.holds = paused;
-}
-
 static void on_changed(void *context)
 {
     lf_server *server = context;
-    hold_movie(server);
+    lf_server_hold_movie(server);
     lf_notify(server->clients, LF_EVENT_PLAYLIST, "playlist",
               lf_server_whole_playlist_json(server));
-}
-
-void lf_server_entry_loaded(lf_server *server, const lf_load *load)
-{
-    const bool failed = load->status != LF_OK;
-    if (!failed) {
-        server->gallery.holds = false;
-        hold_movie(server);
-    }
-    lf_playlist_loaded(server->gallery.playlist, load->generation,
-                       !failed && server->content->player, failed ? &load->err : NULL);
-    lf_server_look_at_movie(server); /* it may have ended already */
-}
-
-void lf_server_look_at_movie(lf_server *server)
-{
-    lf_gallery *gallery = &server->gallery;
-    const int64_t generation = server->last.generation;
-    lf_movie_status now;
-    if (!lf_engine_get_movie(server->engine, &now))
-        return;
-    const bool more = generation == gallery->round_of && now.player.rounds > gallery->rounds;
-    gallery->round_of = generation;
-    gallery->rounds = now.player.rounds;
-    if (now.player.failed || now.player.ended || more)
-        lf_playlist_played(gallery->playlist, generation,
-                           now.player.failed ? &now.player.err : NULL);
 }
 
 lf_status lf_server_make_playlist(lf_server *server)

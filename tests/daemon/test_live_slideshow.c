@@ -242,6 +242,49 @@ static void a_pause_is_told_and_steps_work_in_it(void **state)
     end(&h);
 }
 
+/* The level that the first frame of this generation has. */
+static const char *first_level(hall *h, int generation)
+{
+    char *level = lf_test_buffer();
+    for (;;) {
+        json_t *message = next_told(h, "frame");
+        const json_t *frame = json_object_get(message, "params");
+        snprintf(level, 32, "%s", json_string_value(json_object_get(frame, "level")));
+        const bool is_it = json_integer_value(json_object_get(frame, "generation")) == generation;
+        json_decref(message);
+        if (is_it)
+            return level;
+    }
+}
+
+/* A mixed image is told as coarse. Steps work while images fade, and another file ends that. */
+static void entries_fade_into_each_other_and_other_files_do_not(void **state)
+{
+    (void)state;
+    hall h;
+    begin(&h);
+    assert_int_equal(live_code(&h.watcher, "subscribe", json_pack("{s:[s]}", "events", "frame")),
+                     0);
+    assert_int_equal(
+        live_code(&h.c, "playlist.set",
+                  json_pack("{s:o, s:f}", "entries",
+                            entries_of(&h, "b_qs2x2.png a.png c.png", LONG), "crossfade", 10.0)),
+        0);
+    assert_int_equal(live_code(&h.c, "playlist.play", NULL), 0);
+    assert_string_equal(first_level(&h, 1), "converged"); /* after a card */
+    for (int i = 2; i <= 4; i++) {
+        assert_int_equal(live_code(&h.c, i % 2 ? "playlist.previous" : "playlist.next", NULL), 0);
+        assert_string_equal(first_level(&h, i), "coarse");
+    }
+    assert_int_equal(live_code(&h.c, "playlist.pause", NULL), 0);
+    assert_int_equal(live_code(&h.c, "playlist.play", json_pack("{s:i}", "index", 2)), 0);
+    assert_string_equal(first_level(&h, 5), "coarse");
+    assert_int_equal(
+        live_code(&h.c, "scene.load", json_pack("{s:s}", "file", within(&h, "b_qs2x2.png"))), 0);
+    assert_string_equal(first_level(&h, 6), "converged");
+    end(&h);
+}
+
 /* Notifications of entries, until there are so many. */
 static void wait_for_entries(hall *h, size_t n)
 {
@@ -450,6 +493,7 @@ int main(void)
         cmocka_unit_test(keys_of_an_entry_are_checked_and_told),
         cmocka_unit_test(a_change_is_shown_at_once),
         cmocka_unit_test(a_pause_is_told_and_steps_work_in_it),
+        cmocka_unit_test(entries_fade_into_each_other_and_other_files_do_not),
         cmocka_unit_test(the_option_plays_a_folder_and_a_hangup_reads_it_again),
         cmocka_unit_test(a_folder_that_is_filled_later_is_shown_after_a_hangup),
         cmocka_unit_test(options_that_do_not_belong_together_are_refused),
