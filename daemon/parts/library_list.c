@@ -57,12 +57,12 @@ static const char *kind_of_name(const char *name)
     int columns, rows;
     double aspect;
     const char *image = lf_image_ending(name);
+    if (lf_movie_ending(name))
+        return "video";
     if (image && lf_layout_from_name(name, &columns, &rows, &aspect))
         return "quilt";
     if (image)
         return is_float_ending(image) ? ENVIRONMENT : "image";
-    if (lf_movie_ending(name))
-        return "video";
     return lf_path_has_ending(name, ".json") ? "scene" : lf_alone_kind(name);
 }
 

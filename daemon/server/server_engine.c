@@ -6,6 +6,7 @@
 #include "base/errno_text.h"
 #include "base/frame_name.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "base/wakeup.h"
 #include "daemon/server/server_internal.h"
 
@@ -20,6 +21,18 @@ static json_t *frame_json(const lf_shown *shown)
     return frame;
 }
 
+/* A video or a crossfade shows more frames than clients need to hear of. When it pauses or ends,
+ * its last frame is shown once more, as one that does not move. */
+#define FRAME_NEWS_S 0.25
+static bool is_worth_telling(lf_server *server, const lf_shown *shown, bool news)
+{
+    const double now = lf_time_now();
+    if (!news && (shown->fades || (shown->moves && now - server->told_of_frame < FRAME_NEWS_S)))
+        return false;
+    server->told_of_frame = now;
+    return true;
+}
+
 void lf_server_shown(lf_server *server, const lf_shown *shown)
 {
     const lf_shown *before = &server->shown;
@@ -28,7 +41,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
         lf_show_calibration(server->show))
         lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
-    if (news || !shown->fades)
+    if (is_worth_telling(server, shown, news))
         lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
         return;

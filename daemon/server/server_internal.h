@@ -144,6 +144,7 @@ struct lf_server {
     lf_error error;        /* error of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
     lf_shown shown;        /* the frame on the panel */
+    double told_of_frame;  /* lf_time_now of the last notification of a frame that moves */
     lf_waits *waits;
     lf_jobs *jobs;
     lf_gallery gallery;
