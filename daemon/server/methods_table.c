@@ -144,7 +144,7 @@ static const lf_method methods[] = {
              "folder whose pictures, quilts, videos, scenes, models and volumes are shown in "
              "natural order, instead of entries") ","
          KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400") DEFAULT("10"),
-             "time of entries that have none and are no videos") ","
+             "default time of an entry; a video plays once through") ","
          KEY("loop", BOOLEAN("true"), "start again after the last entry") ","
          KEY("crossfade", NUMBER("seconds") RANGE("0", "10") DEFAULT("0"),
              "time in which an image turns into the next one")),

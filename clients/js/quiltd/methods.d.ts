@@ -280,12 +280,37 @@ export interface Calls {
         "index"?: number;
         /** true: the entries are shown in turn */
         "playing"?: boolean;
-        /** true: the time of the current entry stands still */
+        /** true: the time of the current entry is stopped */
         "paused"?: boolean;
         /** number of entries [count] */
         "entries"?: number;
         /** file of the current entry */
         "file"?: string;
+      } | null;
+      /** the video on display; null: none */
+      "video"?: {
+        /** its file */
+        "file"?: string;
+        /** width of its images [pixels] */
+        "width"?: number;
+        /** height of its images [pixels] */
+        "height"?: number;
+        /** its rate [frames per second] */
+        "fps"?: number;
+        /** position of the current frame [seconds] */
+        "seconds"?: number;
+        /** its length; null: unknown [seconds] */
+        "duration"?: number | null;
+        /** number of the current frame, from 0 in each round [frames] */
+        "frame"?: number;
+        /** frames that the panel took [frames] */
+        "shown"?: number;
+        /** frames that were late, or that the panel did not take [frames] */
+        "dropped"?: number;
+        /** true: it holds the current frame */
+        "paused"?: boolean;
+        /** why it has stopped and holds its last frame; null: it plays */
+        "problem"?: string | null;
       } | null;
       /** time since the daemon started [seconds] */
       "uptime"?: number;
@@ -610,7 +635,7 @@ export interface Calls {
       })[];
       /** folder whose pictures, quilts, videos, scenes, models and volumes are shown in natural order, instead of entries */
       "folder"?: string;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** start again after the last entry */
       "loop"?: boolean;
@@ -669,11 +694,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -734,11 +759,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -802,11 +827,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -867,11 +892,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -935,11 +960,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -1041,11 +1066,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -1106,11 +1131,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -1171,11 +1196,11 @@ export interface Calls {
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
-      /** true: the time of the current entry stands still */
+      /** true: the time of the current entry is stopped */
       "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
-      /** time of entries that have none and are no videos [seconds] */
+      /** default time of an entry; a video plays once through [seconds] */
       "seconds"?: number;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
@@ -1279,7 +1304,7 @@ export interface Calls {
         "name"?: string;
         /** absolute path, for scene.load */
         "path"?: string;
-        /** folder, scene, model, volume, environment, quilt or image */
+        /** folder, scene, model, volume, environment, quilt, video or image */
         "kind"?: string;
         /** size of the file; 0: a folder [bytes] */
         "bytes"?: number;
@@ -1798,11 +1823,11 @@ export interface Notifications {
     "index"?: number;
     /** true: the entries are shown in turn */
     "playing"?: boolean;
-    /** true: the time of the current entry stands still */
+    /** true: the time of the current entry is stopped */
     "paused"?: boolean;
     /** true: starts again after the last entry */
     "loop"?: boolean;
-    /** time of entries that have none and are no videos [seconds] */
+    /** default time of an entry; a video plays once through [seconds] */
     "seconds"?: number;
     /** time in which an image turns into the next one [seconds] */
     "crossfade"?: number;
