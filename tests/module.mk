@@ -110,6 +110,7 @@ wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
 # a clock of the test's own
 wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
 wrap_test_playlist := $(wrap_test_play)
+wrap_test_playlist_media := $(wrap_test_play)
 wrap_test_engine_fade := -Wl,--wrap=lf_time_now
 
 # a display, an EEPROM and a udev of the test's own
