@@ -13,8 +13,11 @@
 #include "base/log.h"
 #include "base/number.h"
 #include "daemon/output/options.h"
+#include "daemon/web/bin.h"
 #include "daemon/web/bridge.h"
 #include "daemon/web/listen.h"
+#include "daemon/web/nng.h"
+#include "daemon/web/programs.h"
 #include "daemon/web/web.h"
 #include "daemon/wire/listen.h"
 
@@ -24,6 +27,7 @@
 #define EVENTS_PORT 9724
 #define WEBXR_PORT 11222
 #define MAX_UPLOAD_MIB 65536
+#define MAX_IMAGE_MIB 4096
 
 enum {
     OPTION_SOCKET = LF_OPTION_OWN,
@@ -35,6 +39,9 @@ enum {
     OPTION_BRIDGE,
     OPTION_WEBXR,
     OPTION_ALLOW_ORIGIN,
+    OPTION_NNG,
+    OPTION_IMAGE_LIMIT,
+    OPTION_PANEL_ONLY,
     OPTION_BRIDGE_VERSION,
 };
 
@@ -48,6 +55,9 @@ static const struct option table[] = {
     {"bridge", optional_argument, NULL, OPTION_BRIDGE},
     {"webxr", optional_argument, NULL, OPTION_WEBXR},
     {"allow-origin", required_argument, NULL, OPTION_ALLOW_ORIGIN},
+    {"nng", optional_argument, NULL, OPTION_NNG},
+    {"image-limit", required_argument, NULL, OPTION_IMAGE_LIMIT},
+    {"panel-only", no_argument, NULL, OPTION_PANEL_ONLY},
     {"bridge-version", required_argument, NULL, OPTION_BRIDGE_VERSION},
     {0},
 };
@@ -61,6 +71,9 @@ typedef struct arguments {
     bool wanted[LF_DOORS]; /* doors of programs … */
     int ports[LF_DOORS];   /* … and their ports */
     lf_origins allowed;
+    const char *nng; /* path; NULL: none */
+    uint64_t image_mib;
+    bool panel_only;
 } arguments;
 
 static void print_help(void)
@@ -68,7 +81,8 @@ static void print_help(void)
     printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
            "                [--public ORIGIN] [--upload-limit MIB]\n"
            "                [--bridge[=PORT,PORT]] [--webxr[=PORT]] [--allow-origin ORIGIN]\n"
-           "                [--bridge-version VERSION]\n"
+           "                [--bridge-version VERSION] [--nng[=PATH]] [--image-limit MIB]\n"
+           "                [--panel-only]\n"
            "Show what quiltd shows in a browser of this machine, and steer it there.\n"
            "Prints the URL of the page, with a token that opens it.\n"
            "\n"
@@ -89,11 +103,15 @@ static void print_help(void)
            "  --webxr[=PORT]         answer WebXR pages (%d)\n"
            "  --allow-origin ORIGIN  let pages of ORIGIN ask there; may be repeated;\n"
            "                         http://localhost:* is any port of this machine (none)\n"
+           "  --nng[=PATH]           answer programs by nng's ipc, such as AliceLG\n"
+           "                         (%s)\n"
+           "  --image-limit MIB      largest image that a program may send, 1 to %d (%d)\n"
+           "  --panel-only           only answer what panel there is; quiltd lends it meanwhile\n"
            "  --bridge-version VERSION\n"
            "                         version of Bridge that programs are told (" LF_BRIDGE_VERSION
            ")\n"
            "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
-           BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT);
+           BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT, LF_NNG_PATH, MAX_IMAGE_MIB, LF_BIN_LIMIT_MIB);
 }
 
 /* "PORT", or "PORT,PORT" for two doors. */
@@ -142,6 +160,14 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
                                              a->upload_mib < 1 || a->upload_mib > MAX_UPLOAD_MIB))
         return lf_error_set(err, LF_E_ARG, "--upload-limit", "expects 1 to %d MiB, got \"%s\"",
                             MAX_UPLOAD_MIB, text);
+    else if (code == OPTION_NNG)
+        a->nng = text ? text : LF_NNG_PATH;
+    else if (code == OPTION_PANEL_ONLY)
+        a->panel_only = true;
+    else if (code == OPTION_IMAGE_LIMIT && (!lf_whole_is(text, &a->image_mib) || a->image_mib < 1 ||
+                                            a->image_mib > MAX_IMAGE_MIB))
+        return lf_error_set(err, LF_E_ARG, "--image-limit", "expects 1 to %d MiB, got \"%s\"",
+                            MAX_IMAGE_MIB, text);
     else if (code == OPTION_BRIDGE)
         return take_ports(a, "--bridge", text, LF_DOOR_BRIDGE, LF_DOOR_EVENTS, err);
     else if (code == OPTION_WEBXR)
@@ -186,7 +212,7 @@ static const char *find_socket(const char *given, char *path, size_t size)
 }
 
 /* The sockets that systemd passes, by their names. */
-static lf_status take_sockets(lf_web_sockets doors[LF_DOORS], lf_error *err)
+static lf_status take_sockets(lf_web_sockets doors[LF_DOORS], int *out_nng, lf_error *err)
 {
     static const char *const names[LF_DOORS] = {"page", "bridge", "events", "webxr"};
     char **given = NULL;
@@ -194,6 +220,10 @@ static lf_status take_sockets(lf_web_sockets doors[LF_DOORS], lf_error *err)
     lf_status status = LF_OK;
     for (int i = 0; i < n; i++) {
         lf_door door = LF_DOORS - 1;
+        if (*out_nng < 0 && given && strcmp(given[i], "nng") == 0) {
+            *out_nng = SD_LISTEN_FDS_START + i;
+            continue;
+        }
         while (door > LF_DOOR_PAGE && (!given || strcmp(names[door], given[i]) != 0))
             door--; /* the page's are without a name, too */
         if (status == LF_OK && doors[door].n == LF_WEB_MAX_LISTENERS)
@@ -221,10 +251,11 @@ static lf_status open_door(lf_web_sockets *sockets, bool asked, int port, lf_err
     return asked ? lf_web_listen_port(port, sockets, err) : LF_OK;
 }
 
-static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], lf_error *err)
+static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], int *out_nng,
+                            lf_error *err)
 {
     lf_web_sockets *page = &doors[LF_DOOR_PAGE];
-    lf_status status = take_sockets(doors, err);
+    lf_status status = take_sockets(doors, out_nng, err);
     const bool passed = page->n > 0;
     if (status == LF_OK && a->n_listen > 0)
         status = passed ? open_door(page, true, 0, err)
@@ -235,6 +266,8 @@ static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], 
         status = open_door(&doors[i], a->wanted[i], a->ports[i], err);
     for (int i = 0; i < LF_DOORS && status != LF_OK; i++)
         lf_web_sockets_close(&doors[i]);
+    if (status != LF_OK && *out_nng >= 0)
+        close(*out_nng);
     return status;
 }
 
@@ -278,38 +311,65 @@ static lf_status watch_input(sd_event *event, lf_error *err)
                               "expects a pipe or a terminal as standard input");
 }
 
+/* What runs until the end of the loop. */
+typedef struct services {
+    lf_programs *programs;
+    lf_web *web;
+} services;
+
+/* Takes the sockets of the doors, and nng. */
+static lf_status begin(const arguments *a, sd_event *event, lf_web_config *config, int nng,
+                       services *out, lf_error *err)
+{
+    const lf_programs_config programs = {.socket = config->socket,
+                                         .version = a->bridge_version ? a->bridge_version
+                                                                      : LF_BRIDGE_VERSION,
+                                         .image_limit = a->image_mib << 20,
+                                         .panel_only = a->panel_only,
+                                         .nng_path = a->nng,
+                                         .nng_fd = nng};
+    lf_status status = lf_programs_create(event, &programs, &out->programs, err);
+    if (status != LF_OK) {
+        for (int i = 0; i < LF_DOORS; i++)
+            lf_web_sockets_close(&config->doors[i]);
+        return status;
+    }
+    config->driver = lf_programs_driver(out->programs);
+    config->panel_only = lf_programs_panel(out->programs);
+    return lf_web_create(event, config, &out->web, err);
+}
+
 static lf_status run(const arguments *a, lf_error *err)
 {
     char path[512];
     sd_event *event = NULL;
-    lf_web *web = NULL;
+    services s = {0};
+    int nng = -1;
     lf_web_config config = {.allowed = &a->allowed,
                             .bridge_version = a->bridge_version,
                             .socket = find_socket(a->socket, path, sizeof path),
                             .public_origin = a->public_origin,
                             .upload_limit = a->upload_mib << 20};
-    lf_status status = open_doors(a, config.doors, err);
-    if (status != LF_OK)
-        return status;
     if (sd_event_new(&event) < 0 || sd_event_add_signal(event, NULL, SIGINT, NULL, NULL) < 0 ||
         sd_event_add_signal(event, NULL, SIGTERM, NULL, NULL) < 0) {
-        for (int i = 0; i < LF_DOORS; i++)
-            lf_web_sockets_close(&config.doors[i]);
         sd_event_unref(event);
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     }
-    status = lf_web_create(event, &config, &web, err);
+    lf_status status = open_doors(a, config.doors, &nng, err);
+    if (status == LF_OK)
+        status = begin(a, event, &config, nng, &s, err);
     if (status == LF_OK && a->until_input_ends)
         status = watch_input(event, err);
     if (status == LF_OK)
-        status = announce(web, a->url_file, err);
+        status = announce(s.web, a->url_file, err);
     if (status == LF_OK) {
-        log_doors(web);
+        log_doors(s.web);
         sd_notify(0, "READY=1");
         sd_event_loop(event);
         sd_notify(0, "STOPPING=1");
     }
-    lf_web_destroy(web);
+    lf_web_destroy(s.web);
+    lf_programs_destroy(s.programs);
     sd_event_unref(event);
     return status;
 }
@@ -317,6 +377,7 @@ static lf_status run(const arguments *a, lf_error *err)
 int main(int argc, char *argv[])
 {
     arguments a = {.upload_mib = LF_WEB_UPLOAD_LIMIT_MIB,
+                   .image_mib = LF_BIN_LIMIT_MIB,
                    .ports = {PAGE_PORT, BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT}};
     lf_error err = {0};
     bool done = false;

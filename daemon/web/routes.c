@@ -319,7 +319,8 @@ static const lf_route routes[] = {
      .path = "/event_source",
      .method = "GET",
      .act = lf_bridge_events_answer},
-    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = lf_webxr_root},
+    {.door = LF_DOOR_WEBXR, .path = "/driver", .method = "GET", .act = lf_webxr_driver},
 };
 
 enum { N_ROUTES = sizeof routes / sizeof routes[0] };

@@ -438,7 +438,11 @@ lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **o
         close_doors(config);
         return lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
     }
-    *web = (lf_web){.event = event, .socket = path, .upload_limit = config->upload_limit};
+    *web = (lf_web){.event = event,
+                    .socket = path,
+                    .upload_limit = config->upload_limit,
+                    .driver = config->driver,
+                    .panel_only = config->panel_only};
     if (config->allowed)
         web->allowed = *config->allowed;
     for (int i = 0; i < LF_DOORS; i++)

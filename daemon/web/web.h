@@ -13,6 +13,7 @@
 
 #include "base/status.h"
 #include "daemon/web/door.h"
+#include "daemon/web/driver.h"
 #include "daemon/web/listen.h"
 #include "daemon/web/origins.h"
 
@@ -32,6 +33,8 @@ typedef struct lf_web_config {
     const char *bridge_version; /* that programs of Bridge are told; NULL: LF_BRIDGE_VERSION */
     const char *public_origin;  /* of the page behind a server with TLS (guard.h); NULL: none */
     uint64_t upload_limit;      /* bytes of all uploads together */
+    lf_driver *driver;          /* of the door of WebXR pages; borrowed; NULL: it has none */
+    const lf_panel_only *panel_only; /* borrowed; NULL: quiltd keeps its panel */
 } lf_web_config;
 
 /* Takes ownership of the sockets, also after failure. LF_E_ARG: one of them, or the origin, is

@@ -6,6 +6,7 @@
  * sends.c     downloads, and streams of images
  * seats.c     WebSockets: handshakes, and who sits behind them
  * sessions.c  WebSockets of the page
+ * webxr.c     WebSockets of WebXR pages
  * bridge_http.c, bridge_events.c  doors of programs that speak to Bridge
  *
  * libmicrohttpd calls a request several times: once its headers are there (`check` may refuse it
@@ -63,6 +64,8 @@ struct lf_web {
     uint64_t upload_limit;
     lf_entrance doors[LF_DOORS];
     lf_origins allowed;
+    lf_driver *driver;               /* NULL: none */
+    const lf_panel_only *panel_only; /* NULL: off */
     char url[LF_WEB_URL_SIZE];
     struct MHD_Daemon *http;
     sd_event_source *io, *timer; /* timer: libmicrohttpd wants to run */
@@ -208,5 +211,10 @@ void lf_bridge_events_tell(void *context, const char *token, json_t *event);
 
 /* sessions.c */
 enum MHD_Result lf_sessions_answer(lf_request *r);
+
+/* webxr.c */
+enum MHD_Result lf_webxr_driver(lf_request *r);
+/* GET /: a WebSocket that tells the calibration, or that somebody is there. */
+enum MHD_Result lf_webxr_root(lf_request *r);
 
 #endif
