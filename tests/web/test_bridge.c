@@ -116,7 +116,7 @@ static void unplug(lf_false_slideshow *s)
     s->no_panel = true;
 }
 
-/* ------------------------------------------------------------------------------------ whole -- */
+/* ------------------------------------------------------------------------------------- whole -- */
 
 /* As bridge.js does it: connect, getDisplays, cast, cast again, update, transport, disconnect. */
 static void a_page_casts(void **state)
