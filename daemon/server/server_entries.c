@@ -123,6 +123,7 @@ typedef struct checking {
     lf_errand errand;
     const lf_server *server; /* only what is constant */
     lf_deferred *deferred;   /* NULL: nobody waits for an answer */
+    bool only_checks;        /* nothing changes */
     bool begins;             /* at the start: the entries are then played */
     char *folder;            /* absolute; NULL: entries are given */
     bool more;
@@ -265,6 +266,15 @@ static void fail(lf_server *server, const checking *c)
     lf_server_ready(server);
 }
 
+/* The entries that were checked, as playlist.set would return them. */
+static json_t *checked_json(const checking *c)
+{
+    json_t *entries = json_array();
+    for (int i = 0; i < c->n; i++)
+        (void)json_array_append_new(entries, lf_server_entry_json(&c->entries[i]));
+    return json_pack("{s:o}", "entries", entries);
+}
+
 static void on_checked(void *context, lf_errand *errand)
 {
     lf_server *server = context;
@@ -275,6 +285,8 @@ static void on_checked(void *context, lf_errand *errand)
                                       "the daemon is shutting down");
     if (errand->status != LF_OK && !(stops && !c->deferred)) {
         fail(server, c);
+    } else if (errand->status == LF_OK && c->only_checks) {
+        lf_deferred_reply(c->deferred, checked_json(c));
     } else if (errand->status == LF_OK) {
         take(server, c);
         if (c->deferred)
@@ -389,6 +401,7 @@ void lf_server_playlist_set(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
+    c->only_checks = json_is_true(json_object_get(call->params, "check"));
     c->deferred = lf_defer(call);
     if (!c->deferred) {
         free_checking(c);

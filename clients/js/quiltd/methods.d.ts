@@ -641,6 +641,8 @@ export interface Calls {
       "loop"?: boolean;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
+      /** only check the entries, and change nothing */
+      "check"?: boolean;
     };
     result: {
       /** what is shown, in this order */
