@@ -24,6 +24,7 @@ typedef struct lf_bridge_endpoint {
     const char *event;  /* that follows (lf_bridge_show_tell); NULL: none */
     const char *method; /* of quiltd, for endpoints that are one call */
     bool alone;         /* it needs no orchestration */
+    bool shows;         /* it needs a panel that is quiltd's */
 } lf_bridge_endpoint;
 
 struct lf_bridge_call {

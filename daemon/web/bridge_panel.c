@@ -34,7 +34,14 @@ static void on_status(lf_bridge_call *call, const json_t *result, const char *wh
 
 void lf_bridge_look(lf_bridge_call *call, lf_bridge_then_fn then)
 {
+    const lf_panel_only *lent = call->bridge->config.panel_only;
     call->looked = then;
+    if (lf_panel_only_is_on(lent)) {
+        json_t *info = lf_panel_info(lf_panel_only_calibration(lent), lf_panel_only_device(lent));
+        then(call, info, "no panel is connected");
+        json_decref(info);
+        return;
+    }
     lf_bridge_ask(call, "status", NULL, on_status);
 }
 
