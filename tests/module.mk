@@ -85,6 +85,7 @@ wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 # time that passes when the test says so
 wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 wrap_test_web_clients := $(wrap_test_web_time)
+wrap_test_bridge_time := $(wrap_test_web_time)
 wrap_test_nng := $(wrap_test_web_time)
 
 # devices with random faults in place of libusb and hidapi

@@ -66,6 +66,7 @@ struct lf_bridge {
     char on_panel[4096]; /* file that quiltd has shown last */
     char reason[256];    /* why quiltd has skipped an entry last */
     bool has_panel, knows_panel;
+    bool measures_panel; /* its size is asked for, for Monitor Connect */
     uint64_t requests, failures;
     char last_failure[320]; /* in the log */
 };

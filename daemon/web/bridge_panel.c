@@ -3,7 +3,6 @@
 
 #include <stdlib.h>
 
-#include "base/log.h"
 #include "daemon/web/bridge_entry.h"
 #include "daemon/web/panel_info.h"
 
@@ -124,7 +123,9 @@ static void tell(lf_bridge *bridge, const char *event, const json_t *calibration
 static void on_connected(void *context, const json_t *result, const char *why)
 {
     (void)why;
-    tell(context, "Monitor Connect", result);
+    lf_bridge *bridge = context;
+    bridge->measures_panel = false;
+    tell(bridge, "Monitor Connect", result);
 }
 
 void lf_bridge_panel_note(lf_bridge *bridge, const json_t *params)
@@ -135,9 +136,9 @@ void lf_bridge_panel_note(lf_bridge *bridge, const json_t *params)
         return;
     if (!is_there)
         tell(bridge, "Monitor Disconnect", NULL);
-    else if (bridge->knows_panel && lf_calls_ask(bridge->calls, "device.calibration", NULL,
-                                                 on_connected, bridge, &err) != LF_OK)
-        lf_log_error(&err);
+    else if (bridge->knows_panel && !bridge->measures_panel)
+        bridge->measures_panel = lf_calls_ask(bridge->calls, "device.calibration", NULL,
+                                              on_connected, bridge, &err) == LF_OK;
     bridge->has_panel = is_there;
     bridge->knows_panel = true;
 }
