@@ -79,8 +79,7 @@ void lf_bridge_show_tell(lf_bridge_call *call, const char *event)
              lf_bridge_param(call, "tag"));
 }
 
-/* ------------------------------------------------------------------------------------ waiting --
- */
+/* ----------------------------------------------------------------------------------- waiting -- */
 
 static lf_bridge_call *take_waiting(lf_bridge *bridge)
 {
