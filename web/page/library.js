@@ -184,7 +184,7 @@ export class Library {
       entry.kind === "folder"
         ? button("Play", () => this.#add(entry, about), {
             class: "quiet add whole",
-            "aria-label": `Show ${entry.name} as a slideshow`,
+            "aria-label": `Play ${entry.name} as a slideshow`,
           })
         : button("Add", () => this.#add(entry, about), {
             class: "quiet add",
