@@ -53,7 +53,7 @@ static lf_status refuse_key(const char *key, const char *what, lf_error *err)
 lf_status lf_server_take_entry(const json_t *from, lf_playlist_entry *entry, lf_error *err)
 {
     const json_t *seconds = json_object_get(from, "seconds");
-    json_t *keys = json_copy((json_t *)(uintptr_t)from);
+    json_t *keys = json_deep_copy(from); /* another thread reads it, and not the call's */
     if (!keys)
         return lf_error_set(err, LF_E_NOMEM, "playlist", "out of memory");
     if (seconds)
