@@ -351,6 +351,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -614,6 +616,8 @@ export interface Calls {
         "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
         /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
         "aspect"?: number;
+        /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+        "views"?: number;
         /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
         "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
         /** on: near is black, far white, in the depth of an RGBD image */
@@ -667,6 +671,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -732,6 +738,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -800,6 +808,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -865,6 +875,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -933,6 +945,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -995,6 +1009,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -1039,6 +1055,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1104,6 +1122,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1169,6 +1189,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1798,6 +1820,8 @@ export interface Notifications {
       "photo_rotate"?: string;
       /** as of scene.load [width over height] */
       "aspect"?: number;
+      /** as of scene.load [count] */
+      "views"?: number;
       /** as of scene.load */
       "rgbd_in"?: string;
       /** as of scene.load */
