@@ -105,6 +105,7 @@ wrap_test_states := -Wl,--wrap=lf_renderer_restore
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 
 # waiting that takes no time
+wrap_test_movie_player := -Wl,--wrap=lf_time_now_ns,--wrap=poll,--wrap=ppoll
 wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 
 # a slow disk, saves that come soon

@@ -216,6 +216,7 @@ static const field fields[] = {
     {"@part", "photo_position", "string", NULL, "as of scene.load"},
     {"@part", "photo_rotate", "string", NULL, "as of scene.load"},
     {"@part", "aspect", "number", "width over height", "as of scene.load"},
+    {"@part", "views", "integer", COUNT, "as of scene.load"},
     {"@part", "rgbd_in", "string", NULL, "as of scene.load"},
     {"@part", "depth_inversion", "string", NULL, "as of scene.load"},
     {"@part", "chroma_depth", "string", NULL, "as of scene.load"},

@@ -351,6 +351,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -614,6 +616,8 @@ export interface Calls {
         "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
         /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
         "aspect"?: number;
+        /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+        "views"?: number;
         /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
         "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
         /** on: near is black, far white, in the depth of an RGBD image */
@@ -669,6 +673,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -734,6 +740,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -802,6 +810,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -867,6 +877,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -935,6 +947,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -997,6 +1011,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -1041,6 +1057,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1106,6 +1124,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1171,6 +1191,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1800,6 +1822,8 @@ export interface Notifications {
       "photo_rotate"?: string;
       /** as of scene.load [width over height] */
       "aspect"?: number;
+      /** as of scene.load [count] */
+      "views"?: number;
       /** as of scene.load */
       "rgbd_in"?: string;
       /** as of scene.load */
