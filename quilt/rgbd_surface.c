@@ -226,6 +226,20 @@ void lf_rgbd_surface_sharpen(const lf_rgbd_surface *surface, int y)
     }
 }
 
+void lf_rgbd_surface_join(const lf_rgbd_surface *surface, int y)
+{
+    const size_t start = (size_t)y * (size_t)surface->n;
+    const float *code = surface->code + start;
+    float *out = surface->spare + start;
+    for (int j = 0; j < surface->n; j++) {
+        float least, most;
+        range_at(surface, y, j, 1, &least, &most);
+        const bool is_between =
+            most - code[j] > (float)LF_RGBD_STEP && code[j] - least > (float)LF_RGBD_STEP;
+        out[j] = is_between ? most : code[j];
+    }
+}
+
 void lf_rgbd_surface_widen(const lf_rgbd_surface *surface, int y)
 {
     const size_t start = (size_t)y * (size_t)surface->n;
