@@ -39,6 +39,7 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
 /* depth-inversion is an option of --rgbd, too, which has it in its table. */
 static const char standing[] =
     "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y";
+static const char of_depth[] = "chroma-depth depthiness depth-cutoff";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
@@ -170,6 +171,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->photo_option = row->option;
     const bool is_inversion = strcmp(row->option, "depth-inversion") == 0;
     a->has_inversion |= is_inversion;
+    if (!a->depth_option && (is_inversion || lf_param_among(row, of_depth)))
+        a->depth_option = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
