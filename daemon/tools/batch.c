@@ -76,7 +76,7 @@ static char *out_of(const batch *b, const char *name)
     return out;
 }
 
-/* True if the file is the output of this picture: exactly named so, or with a quilt's suffix. */
+/* True if the file is the output of this picture: named so, a quilt with its suffix. */
 static bool is_output(const batch *b, const char *file, const char *name)
 {
     const char *ending = strrchr(b->arguments->out, '.'), *own = strrchr(file, '.'),
@@ -84,7 +84,9 @@ static bool is_output(const batch *b, const char *file, const char *name)
     const int stem = stem_of(name);
     if (!own || strcmp(own, ending) != 0 || strncmp(file, name, (size_t)stem) != 0)
         return false;
-    return file + stem == own || (suffix && file + stem == suffix);
+    const bool is_quilt =
+        b->arguments->kind == &lf_output_quilt && b->arguments->options.views != 1;
+    return is_quilt ? suffix && file + stem == suffix : file + stem == own;
 }
 
 static bool is_made(const batch *b, const char *name)

@@ -446,6 +446,9 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
     take_batch(a);
+    if (a->batch && a->stats)
+        return lf_error_set(err, LF_E_ARG, "--stats",
+                            "cannot be combined with a folder of images with depth");
     a->budget.target_error = a->options.target_error;
     a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +

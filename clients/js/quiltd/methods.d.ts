@@ -49,6 +49,10 @@ export interface Calls {
       "passed"?: string[];
       /** true: a finished image is on display, not a rendering */
       "is_quilt"?: boolean;
+      /** true: its views were drawn from an image with depth; only with is_quilt */
+      "is_rgbd"?: boolean;
+      /** how the finished image stands, as the keys of scene.load; only with is_quilt */
+      "standing"?: { [key: string]: unknown };
       /** number of views [count] */
       "views"?: number;
       /** columns of the quilt [count] */
@@ -322,6 +326,24 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
+      "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
+      /** on: near is black, far white, in the depth of an RGBD image */
+      "depth_inversion"?: "off" | "on";
+      /** on: the depth of an RGBD image is a hue, from red, near, to blue, far */
+      "chroma_depth"?: "off" | "on";
+      /** factor of the depth of an RGBD image */
+      "depthiness"?: number;
+      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      "depth_cutoff"?: number;
+      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      "focus"?: number;
+      /** scale of a finished image about the middle of the view */
+      "zoom"?: number;
+      /** part of a finished image in the middle of the view: half widths to the right */
+      "crop_x"?: number;
+      /** part of a finished image in the middle of the view: half heights down */
+      "crop_y"?: number;
     };
     result: {
       /** generation of the scene on display [count] */
@@ -369,10 +391,10 @@ export interface Calls {
   /** show a quilt that comes by a passed descriptor, as raw pixels or an image file */
   "quilt.show": {
     params: {
-      /** columns of tiles; they divide the width [count] */
-      "columns": number;
-      /** rows of tiles; they divide the height [count] */
-      "rows": number;
+      /** columns of tiles; they divide the width; required, except with rgbd_in [count] */
+      "columns"?: number;
+      /** rows of tiles; they divide the height; required, except with rgbd_in [count] */
+      "rows"?: number;
       /** number of views (columns x rows) [count] */
       "views"?: number;
       /** aspect of a view (a tile's) [width / height] */
@@ -383,6 +405,24 @@ export interface Calls {
       "height"?: number;
       /** name in messages, at most 128 bytes without / (quilt) */
       "name"?: string;
+      /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
+      "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
+      /** on: near is black, far white, in the depth of an RGBD image */
+      "depth_inversion"?: "off" | "on";
+      /** on: the depth of an RGBD image is a hue, from red, near, to blue, far */
+      "chroma_depth"?: "off" | "on";
+      /** factor of the depth of an RGBD image */
+      "depthiness"?: number;
+      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      "depth_cutoff"?: number;
+      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      "focus"?: number;
+      /** scale of a finished image about the middle of the view */
+      "zoom"?: number;
+      /** part of a finished image in the middle of the view: half widths to the right */
+      "crop_x"?: number;
+      /** part of a finished image in the middle of the view: half heights down */
+      "crop_y"?: number;
     };
     result: {
       /** generation of the quilt on display [count] */
