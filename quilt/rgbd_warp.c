@@ -33,7 +33,7 @@ struct lf_rgbd_warp {
     lf_rgbd_strip *strip; /* [n_workers] */
 };
 
-/* ----------------------------------------------------------------------------------- layout -- */
+/* ------------------------------------------------------------------------------------ layout -- */
 
 /* The place of n in [low, high) after mirroring at both ends. */
 static int mirrored(int n, int low, int high)
@@ -348,8 +348,7 @@ lf_status lf_rgbd_views(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- looks --
- */
+/* ------------------------------------------------------------------------------------- looks -- */
 
 static bool is_grey(const uint8_t *rgb)
 {

@@ -69,10 +69,10 @@ static const char *twin_of(const batch *b, int i)
 static char *out_of(const batch *b, const char *name)
 {
     const char *ending = strrchr(b->arguments->out, '.');
-    const size_t size = strlen(b->arguments->batch) + strlen(name) + strlen(ending) + 2;
+    const size_t size = strlen(b->arguments->depth.batch) + strlen(name) + strlen(ending) + 2;
     char *out = lf_calloc(size, 1);
     if (out)
-        snprintf(out, size, "%s%.*s%s", b->arguments->batch, stem_of(name), name, ending);
+        snprintf(out, size, "%s%.*s%s", b->arguments->depth.batch, stem_of(name), name, ending);
     return out;
 }
 
@@ -91,7 +91,7 @@ static bool is_output(const batch *b, const char *file, const char *name)
 
 static bool is_made(const batch *b, const char *name)
 {
-    DIR *folder = opendir(b->arguments->batch);
+    DIR *folder = opendir(b->arguments->depth.batch);
     const struct dirent *entry;
     bool found = false;
     while (folder && !found && (entry = readdir(folder)))
@@ -101,8 +101,7 @@ static bool is_made(const batch *b, const char *name)
     return found;
 }
 
-/* ------------------------------------------------------------------------------------ outputs --
- */
+/* ----------------------------------------------------------------------------------- outputs -- */
 
 static lf_status make(batch *b, const char *name, lf_error *err)
 {
@@ -170,7 +169,7 @@ static int tell(batch *b)
         lf_log(LF_LOG_INFO,
                "%d of %d outputs exist and are kept; use --overwrite to make them again", b->n_kept,
                b->n);
-    lf_log(LF_LOG_INFO, "wrote %d outputs to %s (%.0f s)", b->n_made, b->arguments->batch,
+    lf_log(LF_LOG_INFO, "wrote %d outputs to %s (%.0f s)", b->n_made, b->arguments->depth.batch,
            lf_time_now() - b->begun);
     if (b->n_failed == 0)
         return LF_EXIT_OK;
@@ -180,8 +179,8 @@ static int tell(batch *b)
 
 static int run(batch *b, lf_error *err)
 {
-    if (mkdir(b->arguments->batch, 0777) != 0 && errno != EEXIST) {
-        lf_log(LF_LOG_ERROR, "%s: cannot make the folder: %s", b->arguments->batch,
+    if (mkdir(b->arguments->depth.batch, 0777) != 0 && errno != EEXIST) {
+        lf_log(LF_LOG_ERROR, "%s: cannot make the folder: %s", b->arguments->depth.batch,
                lf_errno_text(errno));
         return LF_EXIT_FAILED;
     }

@@ -170,9 +170,9 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         !a->photo_option)
         a->photo_option = row->option;
     const bool is_inversion = strcmp(row->option, "depth-inversion") == 0;
-    a->has_inversion |= is_inversion;
-    if (!a->depth_option && (is_inversion || lf_param_among(row, of_depth)))
-        a->depth_option = row->option;
+    a->depth.inverts |= is_inversion;
+    if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
+        a->depth.option = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -192,7 +192,7 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         : o->columns > 0    ? "--quilt"
                         : o->view_width > 0 ? "--view-size"
                         : o->has_exposure   ? "--exposure"
-                        : a->has_inversion  ? "--depth-inversion"
+                        : a->depth.inverts  ? "--depth-inversion"
                                             : NULL;
     const char *option = a->panel_option   ? a->panel_option
                          : a->photo_option ? a->photo_option
@@ -422,7 +422,7 @@ static void take_batch(lf_render_arguments *a)
                is_jpeg = a->options.file.quality > 0 && (!a->asked || !a->asked->needs_panel);
     if (!is_folder)
         return;
-    a->batch = a->out;
+    a->depth.batch = a->out;
     a->out = a->asked && a->asked->check_print            ? "batch.tif"
              : a->asked == &lf_output_wiggle              ? "batch.gif"
              : is_jpeg && !(a->asked && a->asked->layers) ? "batch.jpg"
@@ -446,7 +446,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
     take_batch(a);
-    if (a->batch && a->stats)
+    if (a->depth.batch && a->stats)
         return lf_error_set(err, LF_E_ARG, "--stats",
                             "cannot be combined with a folder of images with depth");
     a->budget.target_error = a->options.target_error;

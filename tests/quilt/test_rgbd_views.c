@@ -58,8 +58,7 @@ static double shift_of(double disparity, double plane, int view, double code)
     return ((double)view / (VIEWS - 1) - 0.5) * disparity * WIDTH * (plane - code);
 }
 
-/* ------------------------------------------------------------------------------------- a step --
- */
+/* ------------------------------------------------------------------------------------ a step -- */
 
 enum { BLOCK = 60, BLOCK_END = 90 };
 
@@ -273,8 +272,7 @@ static void the_sides_go_on_without_fronts(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------- surfaces --
- */
+/* ---------------------------------------------------------------------------------- surfaces -- */
 
 static double texture_at(double column)
 {
@@ -344,8 +342,7 @@ static void a_soft_edge_is_no_rubber(void **state)
         }
 }
 
-/* ----------------------------------------------------------------------------------- geometry --
- */
+/* ---------------------------------------------------------------------------------- geometry -- */
 
 /* Points at known distances, seen by pinholes on a line through a window that all share. */
 static void the_files_geometry_is_that_of_its_cameras(void **state)
@@ -535,8 +532,7 @@ static void cutoff_brings_the_ground_up(void **state)
                              x - lround(shift_of(WHOLE_DISPARITY, WHOLE_PLANE, view, 0.8)));
 }
 
-/* ----------------------------------------------------------------------------------- extremes --
- */
+/* ---------------------------------------------------------------------------------- extremes -- */
 
 static void threads_change_nothing(void **state)
 {
@@ -642,42 +638,6 @@ static void names_and_options_say_where_the_depth_is(void **state)
     lf_assert_ok(lf_standing_check(&standing, "x", &err), &err);
 }
 
-/* ----------------------------------------------------------------------------- finished views --
- */
-
-static void finished_views_move_scale_and_shift(void **state)
-{
-    (void)state;
-    enum { N = 3, W = 20, H = 10 };
-    static uint8_t in[N][H][W][3], out[N][H][W][3];
-    for (int i = 0; i < N * H * W; i++) {
-        uint8_t *to = &in[0][0][0][0] + 3 * i;
-        to[0] = (uint8_t)(10 * (i % W) + 5);
-        to[1] = (uint8_t)(20 * (i / W % H) + 5);
-        to[2] = (uint8_t)(50 * (i / W / H) + 5);
-    }
-    const lf_views8 views = {N, W, H, sizeof in[0], sizeof in[0][0], &in[0][0][0][0]};
-    lf_standing standing = {.focus = 0.1};
-    lf_standing_views8(&standing, &views, &out[0][0][0][0], NULL);
-    for (int i = 0; i < N; i++)
-        for (int x = 0; x < W; x++) {
-            int from = x - 2 * (i - 1); /* two pixels to the right in the last view */
-            from = from < 0 ? -1 - from : from >= W ? 2 * W - 1 - from : from;
-            assert_memory_equal(out[i][4][x], in[i][4][from], 3);
-        }
-    standing = (lf_standing){.zoom = 2, .crop_x = 0.25};
-    lf_standing_views8(&standing, &views, &out[0][0][0][0], NULL);
-    lf_assert_close(out[1][5][10][0], 10 * (12.5 + 0.25), 0, 0.6); /* the middle is at 12.5 */
-    lf_assert_close(out[1][5][10][1], 20 * 5.25 - 5, 0, 0.6);
-    standing = (lf_standing){.zoom = 0.5};
-    lf_standing_views8(&standing, &views, &out[0][0][0][0], NULL);
-    assert_int_equal(out[1][5][4][0], 0);
-    lf_assert_close(out[1][5][5][0], 10, 0, 0.6); /* the mean of 5 and 15 */
-    assert_int_equal(out[1][1][5][2], 0);
-    assert_true(lf_standing_is_plain(&(lf_standing){.zoom = 1}));
-    assert_false(lf_standing_is_plain(&(lf_standing){.zoom = 1, .crop_y = 0.1}));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -698,7 +658,6 @@ int main(void)
         cmocka_unit_test(small_pictures_and_views_are_drawn),
         cmocka_unit_test(what_is_no_number_or_has_no_halves_is_refused),
         cmocka_unit_test(names_and_options_say_where_the_depth_is),
-        cmocka_unit_test(finished_views_move_scale_and_shift),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

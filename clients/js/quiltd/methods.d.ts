@@ -334,9 +334,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -413,9 +413,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
