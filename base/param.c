@@ -236,9 +236,8 @@ static bool read_raster(const lf_param *row, const char *text, double out[2])
 /* The value of a text; not for rasters. */
 static bool read_value(const lf_param *row, const char *text, double *out)
 {
-    const int without = row->optional ? (int)row->low : -1, index = !word_of(row, 0) ? -1
-                                                                    : text ? word_index(row, text)
-                                                                           : without;
+    int index = word_of(row, 0) && text ? word_index(row, text) : -1;
+    index = row->optional && !text ? (int)row->low : index;
     int64_t whole = 0;
     if (row->type == LF_PARAM_LIST)
         return text && read_list(row, text, out);
