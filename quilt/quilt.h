@@ -167,6 +167,16 @@ LF_NODISCARD lf_status lf_response_codes(const lf_response *response, lf_codes *
 /* Applies the codes in place, as the last step: 3 channels; pool may be NULL. */
 void lf_codes_apply(const lf_codes *codes, lf_image8 *image, lf_pool *pool);
 
+/* ------------------------------------------------------------------------------------ blends -- */
+
+#define LF_BLEND_WHOLE 256
+/* Mixes two images of the shape of out (3 channels), in codes: (WHOLE - weight) parts of `from` and
+ * `weight` parts of `to`, rounded to nearest. The weights 0 and LF_BLEND_WHOLE copy. Interlacing
+ * with LF_FILTER_NEAREST only selects values, so the mix of two interlaced images is the interlaced
+ * mix of their views. out may be one of the two; pool may be NULL. Allocates nothing. */
+void lf_blend(const lf_image8 *from, const lf_image8 *to, int weight, lf_image8 *out,
+              lf_pool *pool);
+
 /* ------------------------------------------------------------------------------------- cards -- */
 
 /* A card: a generated image with a few words, for a panel without a picture. */

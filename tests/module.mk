@@ -22,10 +22,12 @@ fuzz_libs_mesh := meshes render base
 fuzz_libs_mesh_arrays := $(fuzz_libs_mesh)
 fuzz_libs_gltf := meshes render base
 fuzz_libs_instances := meshes render base
-fuzz_libs_http := web wire base
-fuzz_libs_gateway := web wire base
+fuzz_libs_http := web wire quilt base
+fuzz_libs_gateway := web wire quilt base
 fuzz_libs_ws := web base
-$(foreach t,http gateway ws,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
+fuzz_libs_cbor := web base
+fuzz_libs_nng := web wire quilt base
+$(foreach t,http gateway ws cbor nng,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
@@ -83,6 +85,7 @@ wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 # time that passes when the test says so
 wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 wrap_test_web_clients := $(wrap_test_web_time)
+wrap_test_nng := $(wrap_test_web_time)
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c
@@ -110,6 +113,7 @@ wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
 # a clock of the test's own
 wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
 wrap_test_playlist := $(wrap_test_play)
+wrap_test_engine_fade := -Wl,--wrap=lf_time_now
 
 # a display, an EEPROM and a udev of the test's own
 wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \

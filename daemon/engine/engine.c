@@ -14,6 +14,7 @@ typedef enum next_step {
     NEXT_STOP,
     NEXT_REQUEST,
     NEXT_CHANGES,
+    NEXT_FADE,
     NEXT_RENDER,
     NEXT_SETTLE
 } next_step;
@@ -27,24 +28,41 @@ static engine_request **next_request(lf_engine *engine)
     return at;
 }
 
+/* A time of lf_time_now_ns; 0: none. */
+static bool has_come(uint64_t ns)
+{
+    return ns > 0 && lf_time_now_ns() >= ns;
+}
+
 static next_step next_todo(lf_engine *engine)
 {
     if (engine->life.stop)
         return NEXT_STOP;
     if (*next_request(engine))
         return NEXT_REQUEST;
-    if (engine->news.controls || engine->news.panel || engine->news.card)
+    const engine_news *news = &engine->news;
+    if (news->controls || news->panel || news->card || news->fade)
         return NEXT_CHANGES;
+    if (has_come(engine_fade_due_ns(engine)))
+        return NEXT_FADE;
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
-/* Returns true if something may have changed. */
-static bool sleep_now(lf_engine *engine)
+/* True if a frame is to be posted now. */
+static bool is_to_settle(const lf_engine *engine)
 {
-    if (engine->frames.again_ns > 0)
-        return lf_cond_wait_until(&engine->wake, &engine->lock, engine->frames.again_ns);
-    pthread_cond_wait(&engine->wake, &engine->lock);
-    return true;
+    return !engine->fade.defers && (engine->owed || has_come(engine->frames.again_ns));
+}
+
+static void sleep_now(lf_engine *engine)
+{
+    const uint64_t again = engine->fade.defers ? 0 : engine->frames.again_ns,
+                   fade = engine_fade_due_ns(engine);
+    const uint64_t until = again > 0 && (fade == 0 || again < fade) ? again : fade;
+    if (until > 0)
+        (void)lf_cond_wait_until(&engine->wake, &engine->lock, until);
+    else
+        pthread_cond_wait(&engine->wake, &engine->lock);
 }
 
 /* Sleeps while there is no work. Copies changed orders under the lock. */
@@ -53,8 +71,10 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
 {
     pthread_mutex_lock(&engine->lock);
     next_step what = next_todo(engine);
-    while (what == NEXT_SETTLE && !engine->owed && sleep_now(engine))
+    while (what == NEXT_SETTLE && !is_to_settle(engine)) {
+        sleep_now(engine);
         what = next_todo(engine);
+    }
     if (what == NEXT_REQUEST) {
         engine_request **at = next_request(engine);
         *out_request = *at;
@@ -67,7 +87,8 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
     if (what == NEXT_REQUEST || what == NEXT_CHANGES) {
         orders->panel = engine->wanted.panel;
         orders->card = engine->wanted.card;
-        engine->news.panel = engine->news.card = false;
+        orders->fade = engine->wanted.fade;
+        engine->news.panel = engine->news.card = engine->news.fade = false;
     }
     pthread_mutex_unlock(&engine->lock);
     return what;
@@ -132,6 +153,7 @@ static void *engine_main(void *context)
             /* a request's picture is for the current panel */
             engine_take_panel(engine, &orders.panel);
             engine_take_card(engine, &orders.card);
+            engine_take_fade(engine, orders.fade);
             lf_status status = request->run(engine, request);
             engine_publish(engine); /* before the answer, because the caller may query the status
                                      * next */
@@ -142,6 +164,10 @@ static void *engine_main(void *context)
             engine_take_controls(engine, &orders.controls);
             engine_take_panel(engine, &orders.panel);
             engine_take_card(engine, &orders.card);
+            engine_take_fade(engine, orders.fade);
+            break;
+        case NEXT_FADE:
+            engine_fade_step(engine);
             break;
         case NEXT_RENDER:
             engine_batch(engine);
@@ -281,8 +307,10 @@ void lf_engine_destroy(lf_engine *engine)
     lf_engine_stop(engine, true);
     if (engine->life.started)
         pthread_join(engine->life.thread, NULL);
-    lf_interlacer_destroy(engine->interlacer);
+    lf_interlacer_destroy(engine->lens.interlacer);
     lf_image8_finish(&engine->card.image);
+    lf_image8_finish(&engine->fade.from);
+    lf_image8_finish(&engine->fade.to);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);
     lf_content_unref(engine->content);

@@ -113,6 +113,18 @@ void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, u
  * card of its own. */
 void lf_engine_set_card(lf_engine *engine, const char *words);
 
+#define LF_MAX_FADE 10
+/* The duration of crossfades in seconds, cut to 0..LF_MAX_FADE; 0 (at the start) = none. It counts
+ * from the next commit of another file. The image on the panel then turns into that file's image,
+ * from its first frame that is at least coarse. Mixed frames have at most the level coarse. They
+ * are composed as fast as the panel takes them, at most 60 a second, and are never queued. The last
+ * one is the unmixed image. A commit during a crossfade starts from the mixed image. Frames with
+ * better denoising wait for the end.
+ *
+ * Without a panel, from or to a card, and between the frames of a sequence, nothing is mixed.
+ * Views, previews and exports never are. */
+void lf_engine_set_fade(lf_engine *engine, double seconds);
+
 void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
 lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 

@@ -10,6 +10,38 @@
  * still reads the last ones. */
 #define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
 
+void engine_drop_interlacer(lf_engine *engine)
+{
+    lf_interlacer_destroy(engine->lens.interlacer);
+    engine->lens.interlacer = NULL;
+}
+
+static bool same_views(const lf_layout *a, const lf_layout *b)
+{
+    return a->n_views == b->n_views && a->view_width == b->view_width &&
+           a->view_height == b->view_height && a->aspect == b->aspect;
+}
+
+const lf_interlacer *engine_interlacer_now(lf_engine *engine)
+{
+    const lf_layout *layout = &engine->content->layout;
+    if (engine->lens.interlacer && !same_views(layout, &engine->lens.layout))
+        engine_drop_interlacer(engine);
+    if (!engine->lens.interlacer && engine->now.panel.present) {
+        lf_error err;
+        engine->lens.layout = *layout;
+        lf_status status =
+            lf_interlacer_create(&engine->now.panel.calibration, layout->n_views,
+                                 layout->view_width, layout->view_height, layout->aspect,
+                                 LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->lens.interlacer, &err);
+        if (status != LF_OK) {
+            lf_log_error(&err);
+            engine->now.panel.present = false;
+        }
+    }
+    return engine->lens.interlacer;
+}
+
 lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
 {
     const lf_calibration *panel = &engine->now.panel.calibration;
@@ -54,9 +86,11 @@ void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views
     if (frame->image.data) {
         if (engine->now.controls.has_codes)
             lf_codes_apply(&engine->now.controls.codes, &frame->image, engine->pool);
+        engine_fade_frame(engine, frame);
         lf_mailbox_compare(engine->mailbox, frame);
     }
     attach_views(engine, frame, views, final);
+    engine_fade_limit(frame);
     engine->frames.n++;
     engine->frames.cost = lf_time_now() - engine->frames.at;
     engine_publish(engine); /* before the frame, because its receiver may query the status next */

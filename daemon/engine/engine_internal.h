@@ -41,6 +41,12 @@ typedef struct engine_panel {
     lf_calibration calibration;
 } engine_panel;
 
+/* How views become an image of the panel. */
+typedef struct engine_lens {
+    lf_interlacer *interlacer; /* NULL: not made */
+    lf_layout layout;          /* of its views */
+} engine_lens;
+
 /* lf_engine_set_card. */
 typedef struct engine_card {
     char words[LF_CARD_TEXT];
@@ -54,7 +60,7 @@ typedef struct engine_drawn {
 
 /* Which orders have changed. */
 typedef struct engine_news {
-    bool controls, panel, card;
+    bool controls, panel, card, fade;
 } engine_news;
 
 /* Settings requested by other threads, or in force. */
@@ -62,7 +68,37 @@ typedef struct engine_orders {
     lf_engine_controls controls;
     engine_panel panel;
     engine_card card;
+    double fade; /* seconds */
 } engine_orders;
+
+/* The effect of the content's first frame on the crossfade. */
+typedef enum engine_fade_next {
+    ENGINE_KEEPS, /* none: it was posted */
+    ENGINE_FADES, /* a crossfade begins with it */
+    ENGINE_CUTS,  /* one that runs ends */
+} engine_fade_next;
+
+/* What a mixed frame says of its picture. */
+typedef struct engine_faded {
+    int64_t generation;
+    lf_level level;
+    double passes;
+    bool reconstructed;
+    int columns, rows;
+} engine_faded;
+
+/* A crossfade (engine_fade.c). */
+typedef struct engine_fade {
+    double seconds; /* of the next ones; 0 = none */
+    engine_fade_next next;
+    bool runs;
+    bool defers;         /* a frame waits for the end, because it needs a new fit */
+    double since, lasts; /* its start (lf_time_now) and its duration in seconds */
+    uint64_t next_ns;    /* when the next mixed frame is due */
+    int weight;          /* of `to` in the last one (lf_blend) */
+    lf_image8 from, to;  /* panel images with codes: at the start, and the newest whole one */
+    engine_faded head;   /* of `to` */
+} engine_fade;
 
 /* Counts of posted frames; start and cost of the last one. */
 typedef struct engine_frames {
@@ -136,9 +172,8 @@ struct lf_engine {
     lf_content *content;
     lf_picture picture;
     lf_schedule schedule;
-    lf_interlacer *interlacer;
-    lf_layout interlaced; /* the layout of interlacer */
-    engine_drawn card;    /* the last one */
+    engine_lens lens;
+    engine_drawn card; /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
@@ -148,6 +183,7 @@ struct lf_engine {
     engine_frames frames;
     engine_look look;
     engine_fit fit;
+    engine_fade fade;
 };
 
 /* True if there is work to render. */
@@ -161,11 +197,15 @@ void engine_settle(lf_engine *engine);
 void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls);
 void engine_take_panel(lf_engine *engine, const engine_panel *panel);
 void engine_take_card(lf_engine *engine, const engine_card *card);
+void engine_take_fade(lf_engine *engine, double seconds);
 /* Posts the requested card (lf_engine_set_card) if there is no picture. */
 void engine_post_waiting_card(lf_engine *engine);
 /* Posts a card instead of the picture of a scene in which nothing is visible. False: something is
  * visible, or the content is one frame of many. */
 bool engine_post_dark_card(lf_engine *engine, const lf_views8 *views);
+/* The interlacer for the current content and panel; NULL: no panel. A camera move keeps it. */
+const lf_interlacer *engine_interlacer_now(lf_engine *engine);
+void engine_drop_interlacer(lf_engine *engine);
 /* Begins a frame of the current picture. interlaced: its image is as large as the panel; otherwise
  * it has none. NULL = out of memory, which is logged. */
 lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);
@@ -174,6 +214,20 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);
 void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final);
 /* The views to show, and their level. *out_blank: view pixels without a source nearby. */
 lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank);
+/* Crossfades. To be called when `content` takes the place of `before` (NULL: none). */
+void engine_fade_commit(lf_engine *engine, const lf_content *before, const lf_content *content);
+/* True if frames below coarse are not worth posting: the image before them stays. */
+bool engine_fade_waits(const lf_engine *engine);
+/* Mixes a composed frame with a panel image, if a crossfade runs or starts with it. */
+void engine_fade_frame(lf_engine *engine, lf_frame *frame);
+/* Limits the level of a mixed frame to coarse; after its views are attached. */
+void engine_fade_limit(lf_frame *frame);
+/* lf_time_now_ns at which engine_fade_step is to be called; 0: never. */
+uint64_t engine_fade_due_ns(const lf_engine *engine);
+/* Posts the next mixed frame, except if the panel has not taken the last one yet. */
+void engine_fade_step(lf_engine *engine);
+/* Ends a crossfade at once. */
+void engine_fade_end(lf_engine *engine);
 /* Functions of requests. */
 lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);

@@ -10,6 +10,8 @@
  * frame costs the same. Not so long that a moving picture appears to stand still. */
 #define BATCH_SECONDS 0.12
 #define BATCH_SECONDS_COMPLETE 0.2
+/* While a crossfade runs, whose frames come between the batches. */
+#define BATCH_SECONDS_FADE 0.012
 /* Shortest interval between frames, while the picture is incomplete and later; small pictures have
  * short batches. */
 #define FRAME_SECONDS 0.03
@@ -34,6 +36,8 @@ bool engine_has_work(const lf_engine *engine)
 
 static double batch_seconds(const lf_engine *engine)
 {
+    if (engine->fade.runs)
+        return BATCH_SECONDS_FADE;
     return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
 }
 
@@ -113,39 +117,6 @@ lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank)
             lf_picture_missing(&engine->picture) > 0 ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
     }
     return views;
-}
-
-static void drop_interlacer(lf_engine *engine)
-{
-    lf_interlacer_destroy(engine->interlacer);
-    engine->interlacer = NULL;
-}
-
-static bool same_views(const lf_layout *a, const lf_layout *b)
-{
-    return a->n_views == b->n_views && a->view_width == b->view_width &&
-           a->view_height == b->view_height && a->aspect == b->aspect;
-}
-
-/* The interlacer for the current content and panel; NULL: no panel. A camera move keeps it. */
-static const lf_interlacer *interlacer_now(lf_engine *engine)
-{
-    const lf_layout *layout = &engine->content->layout;
-    if (engine->interlacer && !same_views(layout, &engine->interlaced))
-        drop_interlacer(engine);
-    if (!engine->interlacer && engine->now.panel.present) {
-        lf_error err;
-        engine->interlaced = *layout;
-        lf_status status =
-            lf_interlacer_create(&engine->now.panel.calibration, layout->n_views,
-                                 layout->view_width, layout->view_height, layout->aspect,
-                                 LF_FILTER_NEAREST, LF_INVERT_AUTO, &engine->interlacer, &err);
-        if (status != LF_OK) {
-            lf_log_error(&err);
-            engine->now.panel.present = false;
-        }
-    }
-    return engine->interlacer;
 }
 
 /* Adds the CPU time since *from, and sets *from to now. */
@@ -232,15 +203,18 @@ static void note_cost(lf_engine *engine)
 
 static void post_frame(lf_engine *engine, bool final)
 {
-    engine->owed = false;
+    const bool fits = fit_is_due(engine, final);
+    engine->fade.defers = engine->owed = fits && engine->fit.passes > 0 && engine->fade.runs;
+    if (engine->fade.defers)
+        return;
     engine->frames.again_ns = 0;
-    if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
+    if (fits && fit(engine, final) != LF_OK)
         return;
     engine->frames.at = lf_time_now();
     double cpu = lf_time_cpu();
     int64_t blank;
     lf_views8 views = engine_views_now(engine, &blank);
-    if (blank > 0)
+    if (blank > 0 || (!final && engine_fade_waits(engine)))
         return;
     if (lf_picture_expose(&engine->picture, engine->pool))
         views = engine_views_now(engine, &blank);
@@ -248,7 +222,7 @@ static void post_frame(lf_engine *engine, bool final)
     engine->frames.shows = !engine_post_dark_card(engine, &views);
     if (!engine->frames.shows)
         return;
-    const lf_interlacer *interlacer = interlacer_now(engine);
+    const lf_interlacer *interlacer = engine_interlacer_now(engine);
     lf_frame *frame = engine_begin_frame(engine, interlacer);
     if (!frame)
         return;
@@ -446,8 +420,9 @@ void engine_take_panel(lf_engine *engine, const engine_panel *panel)
 {
     if (panel->number != engine->now.panel.number) {
         engine->now.panel = *panel;
+        engine_fade_end(engine);
         engine->owed = true;
-        drop_interlacer(engine);
+        engine_drop_interlacer(engine);
         engine_post_waiting_card(engine);
     }
 }
@@ -518,7 +493,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
 
 static void start_over(lf_engine *engine)
 {
-    engine->spoiled = engine->converged = false;
+    engine->spoiled = engine->converged = engine->fade.defers = false;
     engine->owed = engine->content && !engine->content->scene;
     engine->level = LF_LEVEL_NONE;
     engine->spent.passes = engine->spent.seconds = 0;
@@ -570,6 +545,7 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
     lf_content *before = engine->content;
     engine->look.told_of_cut &= before && strcmp(before->file, content->file) == 0;
     engine->content = lf_content_ref(content);
+    engine_fade_commit(engine, before, content);
     start_over(engine);
     lf_content_unref(before);
     request->generation = ++engine->generation;

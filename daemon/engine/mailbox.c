@@ -15,7 +15,7 @@ struct lf_mailbox {
     uint64_t n_posted;
     bool views_taken; /* the consumer is reading the views buffer */
     /* producer only */
-    int back;
+    int back, last; /* slots; -1 = none */
     /* ready, held and shown name slots; the producer owns the others */
     lf_frame slot[4];
     /* owned by the producer while !views_taken */
@@ -35,7 +35,8 @@ lf_status lf_mailbox_create(int event_fd, lf_mailbox **out_mailbox)
     lf_mailbox *mailbox = lf_calloc(1, sizeof *mailbox);
     if (!mailbox)
         return LF_E_NOMEM;
-    *mailbox = (lf_mailbox){.event_fd = event_fd, .ready = -1, .held = -1, .shown = -1, .back = -1};
+    *mailbox = (lf_mailbox){
+        .event_fd = event_fd, .ready = -1, .held = -1, .shown = -1, .back = -1, .last = -1};
     if (pthread_mutex_init(&mailbox->lock, NULL) != 0) {
         lf_free(mailbox);
         return LF_E_NOMEM;
@@ -76,7 +77,7 @@ lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height)
     }
     frame->n_rects = 0;
     frame->against = 0;
-    frame->has_views = frame->sent_views = frame->lacks_views = false;
+    frame->has_views = frame->sent_views = frame->lacks_views = frame->fades = false;
     frame->card[0] = '\0';
     return frame;
 }
@@ -139,11 +140,18 @@ const lf_frame *lf_mailbox_waiting(lf_mailbox *mailbox)
     return frame;
 }
 
+/* Slots are free only after another one took their place, so the last one is never free. */
+const lf_frame *lf_mailbox_last(lf_mailbox *mailbox)
+{
+    return mailbox->last >= 0 ? &mailbox->slot[mailbox->last] : NULL;
+}
+
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)
 {
     pthread_mutex_lock(&mailbox->lock);
     frame->number = ++mailbox->n_posted;
     mailbox->ready = mailbox->back;
+    mailbox->last = mailbox->back;
     mailbox->back = -1;
     pthread_mutex_unlock(&mailbox->lock);
     lf_wakeup_signal(mailbox->event_fd);

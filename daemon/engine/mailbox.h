@@ -31,6 +31,7 @@ typedef struct lf_frame {
     bool reconstructed;      /* otherwise unfiltered, or a finished picture */
     char card[LF_CARD_TEXT]; /* text of a card shown instead of a picture; empty: a picture */
     int columns, rows;       /* tiles of its quilt */
+    bool fades;              /* mixed with an earlier image; its level is at most coarse */
     uint64_t panel;          /* number of the panel it was interlaced for */
     lf_image8 image;         /* data NULL: no panel to interlace for */
     uint64_t against;        /* number of the frame that rects were computed against; 0 = none */
@@ -61,6 +62,8 @@ void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame);
 bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views);
 /* The newest frame if the consumer has not taken it yet, or NULL. Readable until the next begin. */
 const lf_frame *lf_mailbox_waiting(lf_mailbox *mailbox);
+/* The frame posted last, taken or not; NULL: none. Readable until the next post. */
+const lf_frame *lf_mailbox_last(lf_mailbox *mailbox);
 /* Posts the frame that begin returned. */
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame);
 

@@ -78,17 +78,32 @@ static lf_status take_response(lf_server *server, json_t *params, lf_error *err)
     return LF_OK;
 }
 
+/* A panel is lent, or comes back to nobody because another device is chosen. */
+static lf_status take_loan(const lf_call *call, const char *spec, lf_error *err)
+{
+    if (!json_is_true(json_object_get(call->params, "lend"))) {
+        lf_server_loan_forget(call->server);
+        return LF_OK;
+    }
+    if (strcmp(spec, "none") != 0)
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/lend",
+                               "a panel is lent with spec none");
+    return lf_server_loan_begin(call->server, lf_client_serial(call->client), err);
+}
+
 void lf_method_device_set(lf_call *call)
 {
     char *spec = NULL;
     lf_error err;
-    if (take_response(call->server, call->params, &err) != LF_OK) {
+    lf_status status = take_response(call->server, call->params, &err);
+    if (status == LF_OK)
+        status = check_spec(call->server, json_string_value(json_object_get(call->params, "spec")),
+                            &spec, &err);
+    if (status == LF_OK)
+        status = take_loan(call, spec, &err);
+    if (status != LF_OK) {
         lf_fail(call, &err, false);
-        return;
-    }
-    if (check_spec(call->server, json_string_value(json_object_get(call->params, "spec")), &spec,
-                   &err) != LF_OK) {
-        lf_fail(call, &err, false);
+        lf_free(spec);
         return;
     }
     lf_deferred *deferred = lf_defer(call);

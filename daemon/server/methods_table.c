@@ -192,7 +192,9 @@ static const lf_method methods[] = {
     {"device.set", "open another device and set the panel's response",
      "device.set spec=auto gamma=2.2",
      OBJECT_WITH("\"spec\"", KEY("spec", STRING,
-                                 "device as in --device: auto, none, sim:DIR, drm, window, usb")),
+                                 "device as in --device: auto, none, sim:DIR, drm, window, usb") ","
+                 KEY("lend", BOOLEAN("false"),
+                     "with spec none: when this connection ends, open the panel again")),
      lf_method_device_set},
     {"device.calibration", "return the lens calibration of the panel", "device.calibration",
      OBJECT(""), lf_method_device_calibration},

@@ -55,6 +55,7 @@ static void destroy(lf_server *server)
     lf_library_destroy(server->gallery.library);
     lf_saver_destroy(server->saver);
     sd_event_source_disable_unref(server->life.stop_timer);
+    lf_server_loan_forget(server);
     sd_event_source_disable_unref(server->life.begin_timer);
     sd_event_source_disable_unref(server->life.card.timer);
     sd_event_unref(server->event);
@@ -203,6 +204,7 @@ static void on_client_gone(void *context, uint64_t client)
     lf_library_end_of(server->gallery.library, client);
     lf_errands_end_of(server->gallery.checks, client);
     lf_server_doctor_end_of(server, client);
+    lf_server_loan_end_of(server, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))

@@ -43,6 +43,8 @@ static void on_opened(void *context, void *answer, const lf_error *err)
     lf_server *server = context;
     if (!answer)
         first_opened(server, err);
+    else if (answer == &server->life.loan)
+        lf_server_loan_opened(server, err);
     else if (err)
         lf_deferred_fail(answer, err, false);
     else

@@ -28,7 +28,8 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
         lf_show_calibration(server->show))
         lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
-    lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
+    if (news || !shown->fades)
+        lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
         return;
     lf_log(LF_LOG_DEBUG, "generation %lld: %s after %.1f passes", (long long)shown->generation,

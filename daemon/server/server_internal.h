@@ -5,6 +5,7 @@
  *   server.c          construction, the loop.
  *   server_down.c     shutdown.
  *   server_device.c   the panel (daemon/show) as clients see it.
+ *   server_loan.c     a panel that is lent to a client's programs.
  *   server_card.c     text on the panel if there is no picture.
  *   server_buttons.c  actions of its buttons.
  *   server_doctor.c   what panels and system lack (daemon/parts/doctor.h).
@@ -89,6 +90,14 @@ typedef struct lf_gallery {
     int64_t listed;     /* number of the playlist's last load */
 } lf_gallery;
 
+/* The panel that a client's programs use: server_loan.c. */
+typedef struct lf_loan {
+    uint64_t client;        /* serial number; 0: it has left */
+    char *spec;             /* to be opened again; NULL: none is lent */
+    sd_event_source *again; /* on: it is opened soon */
+    bool failed;            /* it could not be opened, which the log says */
+} lf_loan;
+
 /* The daemon from its start to its end: server.c. */
 typedef struct lf_life {
     lf_life_phase phase;
@@ -98,6 +107,7 @@ typedef struct lf_life {
     bool ready_sent; /* systemd was notified */
     int reloads;     /* reloads by systemd that have not ended */
     lf_card card;
+    lf_loan loan;
     lf_log_watch log;
     lf_web_child *web;           /* NULL without --web */
     lf_examination *examination; /* for doctor, in progress; NULL: none */
@@ -157,6 +167,19 @@ void lf_server_finish(lf_server *server);
 LF_NODISCARD lf_status lf_server_make_show(lf_server *server);
 /* The device as `status`, `device.set` and the event `device` report it. */
 json_t *lf_server_device_json(const lf_server *server);
+
+/* ----------------------------------------------------------------------------- server_loan.c -- */
+
+/* device.set closes the panel for this client's programs. LF_E_BUSY: another client has it;
+ * LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_loan_begin(lf_server *server, uint64_t client, lf_error *err);
+/* The client has left: the panel is opened again, unless another device was chosen meanwhile. If it
+ * cannot be opened, that is tried again every 5 s. */
+void lf_server_loan_end_of(lf_server *server, uint64_t client);
+/* An event of the show: lf_show_open with &server->life.loan as its answer has ended. */
+void lf_server_loan_opened(lf_server *server, const lf_error *err);
+/* The panel does not come back: another device was chosen, or the daemon ends. */
+void lf_server_loan_forget(lf_server *server);
 
 /* ----------------------------------------------------------------------------- server_card.c -- */
 

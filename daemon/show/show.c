@@ -144,6 +144,11 @@ const char *lf_show_spec(const lf_show *show)
     return show->spec;
 }
 
+const char *lf_show_wanted(const lf_show *show)
+{
+    return show->opening.wanted;
+}
+
 const char *lf_show_problem(const lf_show *show)
 {
     return !show->device && show->problem.status != LF_OK ? show->problem.what : NULL;

@@ -27,6 +27,7 @@ typedef struct lf_shown {
     lf_level level;
     double passes;
     bool reconstructed;
+    bool fades;              /* mixed with an earlier image; its level is at most coarse */
     char card[LF_CARD_TEXT]; /* text of a card shown instead of a picture; empty: a picture */
 } lf_shown;
 
@@ -96,6 +97,8 @@ void lf_show_await_files(lf_show *show);
 bool lf_show_info(const lf_show *show, lf_device_info *out);
 /* The spec of the device that is open or could not be opened. */
 const char *lf_show_spec(const lf_show *show);
+/* The spec that was last chosen: of the device that is open, or that is searched for. */
+const char *lf_show_wanted(const lf_show *show);
 /* Why there is no device; NULL = there is one, or no error is known. */
 const char *lf_show_problem(const lf_show *show);
 /* The calibration of the last panel; NULL = it has none. Valid until the next event `lens`. */

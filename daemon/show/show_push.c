@@ -74,7 +74,8 @@ static lf_shown shown_of(const lf_frame *frame)
     lf_shown shown = {.generation = frame->generation,
                       .level = frame->level,
                       .passes = frame->passes,
-                      .reconstructed = frame->reconstructed};
+                      .reconstructed = frame->reconstructed,
+                      .fades = frame->fades};
     memcpy(shown.card, frame->card, sizeof shown.card);
     return shown;
 }

@@ -25,6 +25,10 @@ void lf_web_counts_write(const lf_web_counts *counts, FILE *out)
          counts->upload_bytes},
         {"download_files", "gauge", "Exported files in memory.", (uint64_t)counts->download_files},
         {"download_bytes", "gauge", "Bytes of these files.", counts->download_bytes},
+        {"bridge_requests_total", "counter", "Requests of programs that speak to Bridge.",
+         counts->bridge_requests},
+        {"bridge_failures_total", "counter", "Those of them that were answered with Failure.",
+         counts->bridge_failures},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
         write_one(out, rows[i].name, rows[i].type, rows[i].help, rows[i].value);

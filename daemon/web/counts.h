@@ -11,6 +11,7 @@ typedef struct lf_web_counts {
     int connections, websockets, streams;
     int upload_files, download_files;
     uint64_t upload_bytes, download_bytes;
+    uint64_t bridge_requests, bridge_failures; /* since the start */
 } lf_web_counts;
 
 /* Writes HELP, TYPE and sample of each quantity. The caller checks errors of out (ferror). */

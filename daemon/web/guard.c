@@ -8,16 +8,27 @@
 static const char https[] = "https://";
 static const char *const names[LF_GUARD_NAMES] = {"localhost", "127.0.0.1", "[::1]"};
 
-lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err)
+static void set_hosts(lf_guard *guard, int port)
 {
     for (int i = 0; i < LF_GUARD_NAMES; i++)
         /* browsers leave out the port of http */
         snprintf(guard->hosts[i], sizeof guard->hosts[i], port == 80 ? "%s" : "%s:%d", names[i],
                  port);
-    guard->public_origin[0] = '\0';
+}
+
+lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err)
+{
+    *guard = (lf_guard){.allowed = NULL};
+    set_hosts(guard, port);
     snprintf(guard->cookie, sizeof guard->cookie, "quiltweb-%d", port);
     lf_status status = lf_secret_draw(&guard->token, err);
     return status == LF_OK ? lf_secret_draw(&guard->session, err) : status;
+}
+
+void lf_guard_init_programs(lf_guard *guard, int port, const lf_origins *allowed)
+{
+    *guard = (lf_guard){.allowed = allowed};
+    set_hosts(guard, port);
 }
 
 lf_status lf_guard_set_public(lf_guard *guard, const char *origin, lf_error *err)
@@ -70,6 +81,8 @@ static bool is_our_host(const lf_guard *guard, const lf_guard_request *request)
 /* The page's origin has the name under which the page was opened. */
 static bool is_our_origin(const lf_guard *guard, const lf_guard_request *request)
 {
+    if (guard->allowed)
+        return request->origins == 1 && lf_origins_have(guard->allowed, request->origin);
     const char *scheme = lf_guard_is_public(guard, request) ? https : "http://";
     return request->origins == 1 && strncmp(request->origin, scheme, strlen(scheme)) == 0 &&
            strcmp(request->origin + strlen(scheme), request->host) == 0;
@@ -91,7 +104,7 @@ static int check_body(const lf_guard_request *request, const char **out_why)
     if (!request->takes_body && length > 0)
         return refuse(413, "this request takes no body", out_why);
     if (request->takes_body && length > request->body_limit)
-        return refuse(413, "the body is longer than --upload-limit", out_why);
+        return refuse(413, request->too_long, out_why);
     return 0;
 }
 

@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "daemon/web/origins.h"
 #include "daemon/web/secret.h"
 
 /* The headers that decide. Texts are borrowed; NULL: the header is absent. With several headers of
@@ -19,8 +20,9 @@ typedef struct lf_guard_request {
     int hosts, origins, lengths, cookies, authorizations, sites; /* site: Sec-Fetch-Site */
     bool zero;                                                   /* the path holds a zero byte */
     bool encoded;                                                /* has a Transfer-Encoding */
-    bool takes_body;     /* the method of this path has a body … */
-    uint64_t body_limit; /* … of so many bytes at most */
+    bool takes_body;      /* the method of this path has a body … */
+    uint64_t body_limit;  /* … of so many bytes at most; … */
+    const char *too_long; /* … a longer one is refused with these words */
 } lf_guard_request;
 
 enum { LF_GUARD_NAMES = 3, LF_GUARD_MAX_ORIGIN = 272 };
@@ -33,10 +35,15 @@ typedef struct lf_guard {
     char cookie[32];   /* name of the cookie; holds the port, which cookies ignore */
     lf_secret token;   /* in the URL, and after "Bearer " */
     lf_secret session; /* in the cookie */
+    /* Of a door of programs, which has no secrets: pages that may ask there, besides programs
+     * without an Origin; borrowed. NULL: the door is the page's. */
+    const lf_origins *allowed;
 } lf_guard;
 
 /* Draws both secrets for a server at this port. LF_E_IO. */
 LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
+/* The guard of a door of programs at this port. allowed: borrowed. */
+void lf_guard_init_programs(lf_guard *guard, int port, const lf_origins *allowed);
 
 /* Sets public_origin. LF_E_ARG: not https:// with a name in lower case, and perhaps a port; or it
  * is one of `hosts`, whose pages come by http. */
@@ -48,7 +55,7 @@ LF_NODISCARD lf_status lf_guard_set_public(lf_guard *guard, const char *origin, 
  * Transfer-Encoding
  * - 411: no length where a body is expected
  * - 413: a body where none is expected, or a longer one
- * - 403: an Origin that is not ours */
+ * - 403: an Origin that is not ours, or not allowed at a door of programs */
 int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why);
 
 /* True if the request came through the server of public_origin. */

@@ -118,6 +118,21 @@ lf_status lf_web_listen_all(const char *const addresses[], int n, int out_fds[LF
     return status;
 }
 
+lf_status lf_web_listen_port(int port, lf_web_sockets *out, lf_error *err)
+{
+    char v4[32], v6[32];
+    const char *const both[] = {v4, v6};
+    snprintf(v4, sizeof v4, "127.0.0.1:%d", port);
+    snprintf(v6, sizeof v6, "[::1]:%d", port);
+    return lf_web_listen_all(both, 2, out->fd, &out->n, err);
+}
+
+void lf_web_sockets_close(lf_web_sockets *sockets)
+{
+    while (sockets->n > 0)
+        close(sockets->fd[--sockets->n]);
+}
+
 lf_status lf_web_listener_look(int fd, int *out_port, bool *out_v6, lf_error *err)
 {
     union {

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/stat.h>
@@ -12,16 +13,21 @@
 #include "base/log.h"
 #include "base/number.h"
 #include "daemon/output/options.h"
+#include "daemon/web/bin.h"
+#include "daemon/web/bridge.h"
 #include "daemon/web/listen.h"
+#include "daemon/web/nng.h"
+#include "daemon/web/programs.h"
 #include "daemon/web/web.h"
 #include "daemon/wire/listen.h"
 
 #define PROGRAM "quiltweb"
-#define V4 "127.0.0.1:8033"
-#define V6 "[::1]:8033"
+#define PAGE_PORT 8033
+#define BRIDGE_PORT 33334
+#define EVENTS_PORT 9724
+#define WEBXR_PORT 11222
 #define MAX_UPLOAD_MIB 65536
-#define TEXT_OF(number) #number
-#define TEXT(number) TEXT_OF(number)
+#define MAX_IMAGE_MIB 4096
 
 enum {
     OPTION_SOCKET = LF_OPTION_OWN,
@@ -30,6 +36,13 @@ enum {
     OPTION_PUBLIC,
     OPTION_UPLOAD_LIMIT,
     OPTION_UNTIL,
+    OPTION_BRIDGE,
+    OPTION_WEBXR,
+    OPTION_ALLOW_ORIGIN,
+    OPTION_NNG,
+    OPTION_IMAGE_LIMIT,
+    OPTION_PANEL_ONLY,
+    OPTION_BRIDGE_VERSION,
 };
 
 static const struct option table[] = {
@@ -39,40 +52,97 @@ static const struct option table[] = {
     {"public", required_argument, NULL, OPTION_PUBLIC},
     {"upload-limit", required_argument, NULL, OPTION_UPLOAD_LIMIT},
     {"until-input-ends", no_argument, NULL, OPTION_UNTIL},
+    {"bridge", optional_argument, NULL, OPTION_BRIDGE},
+    {"webxr", optional_argument, NULL, OPTION_WEBXR},
+    {"allow-origin", required_argument, NULL, OPTION_ALLOW_ORIGIN},
+    {"nng", optional_argument, NULL, OPTION_NNG},
+    {"image-limit", required_argument, NULL, OPTION_IMAGE_LIMIT},
+    {"panel-only", no_argument, NULL, OPTION_PANEL_ONLY},
+    {"bridge-version", required_argument, NULL, OPTION_BRIDGE_VERSION},
     {0},
 };
 
 typedef struct arguments {
-    const char *socket, *url_file, *public_origin;
+    const char *socket, *url_file, *public_origin, *bridge_version;
     const char *listen[LF_WEB_MAX_LISTENERS];
     int n_listen;
     uint64_t upload_mib;
     bool until_input_ends;
+    bool wanted[LF_DOORS]; /* doors of programs … */
+    int ports[LF_DOORS];   /* … and their ports */
+    lf_origins allowed;
+    const char *nng; /* path; NULL: none */
+    uint64_t image_mib;
+    bool panel_only;
 } arguments;
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
-        "                [--public ORIGIN] [--upload-limit MIB]\n"
-        "Show what quiltd shows in a browser of this machine, and steer it there.\n"
-        "Prints the URL of the page, with a token that opens it.\n"
-        "\n"
-        "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
-        "quiltd.sock,\n"
-        "                         /run/quiltd/control.sock)\n"
-        "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
-        "                         given for both (" V4 " and " V6 ")\n"
-        "  --public ORIGIN        the page is reached as https://NAME, through a server with TLS\n"
-        "                         on this machine that keeps the Host header\n"
-        "  --url-file FILE        write the URL into this file instead of printing it\n"
-        "  --until-input-ends     exit when standard input is closed\n"
-        "  --upload-limit MIB     memory of all uploads together, 1 to " TEXT(
-            MAX_UPLOAD_MIB) "\n"
-                            "                         (" TEXT(
-                                LF_WEB_UPLOAD_LIMIT_MIB) ")\n"
-                                                         "\n" LF_OPTIONS_HELP_LAST
-                                                             LF_OPTIONS_HELP_SHELLS);
+    printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
+           "                [--public ORIGIN] [--upload-limit MIB]\n"
+           "                [--bridge[=PORT,PORT]] [--webxr[=PORT]] [--allow-origin ORIGIN]\n"
+           "                [--bridge-version VERSION] [--nng[=PATH]] [--image-limit MIB]\n"
+           "                [--panel-only]\n"
+           "Show what quiltd shows in a browser of this machine, and steer it there.\n"
+           "Prints the URL of the page, with a token that opens it.\n"
+           "\n"
+           "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
+           "quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
+           "                         given for both (127.0.0.1:%d and [::1]:%d)\n"
+           "  --public ORIGIN        the page is reached as https://NAME, through a server with\n"
+           "                         TLS on this machine that keeps the Host header\n"
+           "  --url-file FILE        write the URL into this file instead of printing it\n"
+           "  --until-input-ends     exit when standard input is closed\n"
+           "  --upload-limit MIB     memory of all uploads together, 1 to %d\n"
+           "                         (%d)\n",
+           PAGE_PORT, PAGE_PORT, MAX_UPLOAD_MIB, LF_WEB_UPLOAD_LIMIT_MIB);
+    printf("  --bridge[=PORT,PORT]   answer programs that speak to Looking Glass Bridge: requests\n"
+           "                         and events (%d,%d)\n"
+           "  --webxr[=PORT]         answer WebXR pages (%d)\n"
+           "  --allow-origin ORIGIN  let pages of ORIGIN ask there; may be repeated;\n"
+           "                         http://localhost:* is any port of this machine (none)\n"
+           "  --nng[=PATH]           answer programs by nng's ipc, such as AliceLG\n"
+           "                         (%s)\n"
+           "  --image-limit MIB      largest image that a program may send, 1 to %d (%d)\n"
+           "  --panel-only           only answer what panel there is; quiltd lends it meanwhile\n"
+           "  --bridge-version VERSION\n"
+           "                         version of Bridge that programs are told (" LF_BRIDGE_VERSION
+           ")\n"
+           "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
+           BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT, LF_NNG_PATH, MAX_IMAGE_MIB, LF_BIN_LIMIT_MIB);
+}
+
+/* "PORT", or "PORT,PORT" for two doors. */
+static lf_status take_ports(arguments *a, const char *option, const char *text, lf_door first,
+                            lf_door last, lf_error *err)
+{
+    char part[8];
+    for (int i = first; i <= (int)last; i++)
+        a->wanted[i] = true;
+    for (int i = first; text; i++) {
+        const size_t n = strcspn(text, ",");
+        uint64_t port = 0;
+        snprintf(part, sizeof part, "%.*s", (int)(n < sizeof part ? n : sizeof part - 1), text);
+        if (!lf_whole_is(part, &port) || port > UINT16_MAX || (text[n] == ',') != (i < (int)last))
+            return lf_error_set(err, LF_E_ARG, option, "expects %s, got \"%s\"",
+                                first < last ? "PORT,PORT" : "PORT", text);
+        a->ports[i] = (int)port;
+        text = text[n] ? text + n + 1 : NULL;
+    }
+    return LF_OK;
+}
+
+/* bridge.js reads the first two numbers. */
+static lf_status take_version(arguments *a, const char *text, lf_error *err)
+{
+    const size_t n = strlen(text);
+    if (n < 1 || n > 31 || strspn(text, "0123456789.") != n || text[0] == '.')
+        return lf_error_set(err, LF_E_ARG, "--bridge-version",
+                            "expects numbers with points, for example 2.6.3, got \"%s\"", text);
+    a->bridge_version = text;
+    return LF_OK;
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -90,6 +160,22 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
                                              a->upload_mib < 1 || a->upload_mib > MAX_UPLOAD_MIB))
         return lf_error_set(err, LF_E_ARG, "--upload-limit", "expects 1 to %d MiB, got \"%s\"",
                             MAX_UPLOAD_MIB, text);
+    else if (code == OPTION_NNG)
+        a->nng = text ? text : LF_NNG_PATH;
+    else if (code == OPTION_PANEL_ONLY)
+        a->panel_only = true;
+    else if (code == OPTION_IMAGE_LIMIT && (!lf_whole_is(text, &a->image_mib) || a->image_mib < 1 ||
+                                            a->image_mib > MAX_IMAGE_MIB))
+        return lf_error_set(err, LF_E_ARG, "--image-limit", "expects 1 to %d MiB, got \"%s\"",
+                            MAX_IMAGE_MIB, text);
+    else if (code == OPTION_BRIDGE)
+        return take_ports(a, "--bridge", text, LF_DOOR_BRIDGE, LF_DOOR_EVENTS, err);
+    else if (code == OPTION_WEBXR)
+        return take_ports(a, "--webxr", text, LF_DOOR_WEBXR, LF_DOOR_WEBXR, err);
+    else if (code == OPTION_BRIDGE_VERSION)
+        return take_version(a, text, err);
+    else if (code == OPTION_ALLOW_ORIGIN)
+        return lf_origins_add(&a->allowed, text, err);
     else if (code == OPTION_LISTEN && a->n_listen == LF_WEB_MAX_LISTENERS)
         return lf_error_set(err, LF_E_ARG, "--listen", "may be given twice at most");
     else if (code == OPTION_LISTEN)
@@ -125,23 +211,74 @@ static const char *find_socket(const char *given, char *path, size_t size)
     return path;
 }
 
-/* systemd's sockets, or our own. */
-static lf_status open_listeners(const arguments *a, int fds[LF_WEB_MAX_LISTENERS], int *out_n,
-                                lf_error *err)
+/* The sockets that systemd passes, by their names. */
+static lf_status take_sockets(lf_web_sockets doors[LF_DOORS], int *out_nng, lf_error *err)
 {
-    static const char *const both[] = {V4, V6};
-    const int n = sd_listen_fds(1);
-    if (n > LF_WEB_MAX_LISTENERS || (n > 0 && a->n_listen > 0))
+    static const char *const names[LF_DOORS] = {"page", "bridge", "events", "webxr"};
+    char **given = NULL;
+    const int n = sd_listen_fds_with_names(1, &given);
+    lf_status status = LF_OK;
+    for (int i = 0; i < n; i++) {
+        lf_door door = LF_DOORS - 1;
+        if (*out_nng < 0 && given && strcmp(given[i], "nng") == 0) {
+            *out_nng = SD_LISTEN_FDS_START + i;
+            continue;
+        }
+        while (door > LF_DOOR_PAGE && (!given || strcmp(names[door], given[i]) != 0))
+            door--; /* the page's are without a name, too */
+        if (status == LF_OK && doors[door].n == LF_WEB_MAX_LISTENERS)
+            status = lf_error_set(err, LF_E_ARG, "systemd",
+                                  "expects one or two sockets named %s from the socket unit",
+                                  names[door]);
+        if (status == LF_OK)
+            doors[door].fd[doors[door].n++] = SD_LISTEN_FDS_START + i;
+        else
+            close(SD_LISTEN_FDS_START + i);
+    }
+    for (int i = 0; given && i < n; i++)
+        free(given[i]);
+    free(given);
+    return status;
+}
+
+/* A door that is wanted has systemd's sockets, or our own, but not both. */
+static lf_status open_door(lf_web_sockets *sockets, bool asked, int port, lf_error *err)
+{
+    if (asked && sockets->n > 0)
         return lf_error_set(err, LF_E_ARG, "systemd",
-                            "expects one or two sockets from the socket unit, and then no "
-                            "--listen");
-    if (n < 1)
-        return a->n_listen > 0 ? lf_web_listen_all(a->listen, a->n_listen, fds, out_n, err)
-                               : lf_web_listen_all(both, 2, fds, out_n, err);
-    for (int i = 0; i < n; i++)
-        fds[i] = SD_LISTEN_FDS_START + i;
-    *out_n = n;
-    return LF_OK;
+                            "passes sockets for a door; leave out its option (--listen, --bridge, "
+                            "--webxr)");
+    return asked ? lf_web_listen_port(port, sockets, err) : LF_OK;
+}
+
+static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], int *out_nng,
+                            lf_error *err)
+{
+    lf_web_sockets *page = &doors[LF_DOOR_PAGE];
+    lf_status status = take_sockets(doors, out_nng, err);
+    const bool passed = page->n > 0;
+    if (status == LF_OK && a->n_listen > 0)
+        status = passed ? open_door(page, true, 0, err)
+                        : lf_web_listen_all(a->listen, a->n_listen, page->fd, &page->n, err);
+    else if (status == LF_OK && !passed)
+        status = open_door(page, true, PAGE_PORT, err);
+    for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS && status == LF_OK; i++)
+        status = open_door(&doors[i], a->wanted[i], a->ports[i], err);
+    for (int i = 0; i < LF_DOORS && status != LF_OK; i++)
+        lf_web_sockets_close(&doors[i]);
+    if (status != LF_OK && *out_nng >= 0)
+        close(*out_nng);
+    return status;
+}
+
+/* The ports of the doors of programs, which may be any free ones. */
+static void log_doors(const lf_web *web)
+{
+    static const char *const words[LF_DOORS] = {NULL, "requests of Bridge", "events of Bridge",
+                                                "WebXR"};
+    for (lf_door door = LF_DOOR_PAGE + 1; door < LF_DOORS; door++)
+        if (lf_web_port(web, door) > 0)
+            lf_log(LF_LOG_INFO, "%s: port %d", words[door], lf_web_port(web, door));
 }
 
 static lf_status announce(const lf_web *web, const char *file, lf_error *err)
@@ -153,12 +290,6 @@ static lf_status announce(const lf_web *web, const char *file, lf_error *err)
     if (fputs(line, stdout) < 0 || fflush(stdout) != 0)
         return lf_error_set(err, LF_E_IO, "standard output", "cannot write the URL");
     return LF_OK;
-}
-
-static void close_all(const int *fds, int n)
-{
-    for (int i = 0; i < n; i++)
-        close(fds[i]);
 }
 
 static int on_input(sd_event_source *source, int fd, uint32_t what, void *context)
@@ -180,43 +311,74 @@ static lf_status watch_input(sd_event *event, lf_error *err)
                               "expects a pipe or a terminal as standard input");
 }
 
+/* What runs until the end of the loop. */
+typedef struct services {
+    lf_programs *programs;
+    lf_web *web;
+} services;
+
+/* Takes the sockets of the doors, and nng. */
+static lf_status begin(const arguments *a, sd_event *event, lf_web_config *config, int nng,
+                       services *out, lf_error *err)
+{
+    const lf_programs_config programs = {.socket = config->socket,
+                                         .version = a->bridge_version ? a->bridge_version
+                                                                      : LF_BRIDGE_VERSION,
+                                         .image_limit = a->image_mib << 20,
+                                         .panel_only = a->panel_only,
+                                         .nng_path = a->nng,
+                                         .nng_fd = nng};
+    lf_status status = lf_programs_create(event, &programs, &out->programs, err);
+    if (status != LF_OK) {
+        for (int i = 0; i < LF_DOORS; i++)
+            lf_web_sockets_close(&config->doors[i]);
+        return status;
+    }
+    config->driver = lf_programs_driver(out->programs);
+    config->panel_only = lf_programs_panel(out->programs);
+    return lf_web_create(event, config, &out->web, err);
+}
+
 static lf_status run(const arguments *a, lf_error *err)
 {
     char path[512];
-    int fds[LF_WEB_MAX_LISTENERS];
     sd_event *event = NULL;
-    lf_web *web = NULL;
-    lf_web_config config = {.listen_fds = fds,
+    services s = {0};
+    int nng = -1;
+    lf_web_config config = {.allowed = &a->allowed,
+                            .bridge_version = a->bridge_version,
                             .socket = find_socket(a->socket, path, sizeof path),
                             .public_origin = a->public_origin,
                             .upload_limit = a->upload_mib << 20};
-    lf_status status = open_listeners(a, fds, &config.n_listen_fds, err);
-    if (status != LF_OK)
-        return status;
     if (sd_event_new(&event) < 0 || sd_event_add_signal(event, NULL, SIGINT, NULL, NULL) < 0 ||
         sd_event_add_signal(event, NULL, SIGTERM, NULL, NULL) < 0) {
-        close_all(fds, config.n_listen_fds);
         sd_event_unref(event);
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     }
-    status = lf_web_create(event, &config, &web, err);
+    lf_status status = open_doors(a, config.doors, &nng, err);
+    if (status == LF_OK)
+        status = begin(a, event, &config, nng, &s, err);
     if (status == LF_OK && a->until_input_ends)
         status = watch_input(event, err);
     if (status == LF_OK)
-        status = announce(web, a->url_file, err);
+        status = announce(s.web, a->url_file, err);
     if (status == LF_OK) {
+        log_doors(s.web);
         sd_notify(0, "READY=1");
         sd_event_loop(event);
         sd_notify(0, "STOPPING=1");
     }
-    lf_web_destroy(web);
+    lf_web_destroy(s.web);
+    lf_programs_destroy(s.programs);
     sd_event_unref(event);
     return status;
 }
 
 int main(int argc, char *argv[])
 {
-    arguments a = {.upload_mib = LF_WEB_UPLOAD_LIMIT_MIB};
+    arguments a = {.upload_mib = LF_WEB_UPLOAD_LIMIT_MIB,
+                   .image_mib = LF_BIN_LIMIT_MIB,
+                   .ports = {PAGE_PORT, BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT}};
     lf_error err = {0};
     bool done = false;
     sigset_t signals;

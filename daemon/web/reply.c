@@ -8,6 +8,8 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "daemon/web/peer.h"
+
 static enum MHD_Result read_header(void *context, enum MHD_ValueKind kind, const char *key,
                                    const char *value)
 {
@@ -57,12 +59,23 @@ static void protect(struct MHD_Response *response, const char *type)
         MHD_add_response_header(response, "Content-Type", type);
 }
 
+/* A door of programs answers by the Origin, which caches must know. */
+static void share(struct MHD_Response *response, const lf_peer *peer)
+{
+    if (!peer || peer->door == LF_DOOR_PAGE)
+        return;
+    MHD_add_response_header(response, "Vary", "Origin");
+    if (peer->origin)
+        MHD_add_response_header(response, "Access-Control-Allow-Origin", peer->origin);
+}
+
 enum MHD_Result lf_reply_send(struct MHD_Connection *connection, unsigned status,
                               struct MHD_Response *response, const char *type)
 {
     if (!response)
         return MHD_NO;
     protect(response, type);
+    share(response, lf_peer_of(connection));
     enum MHD_Result sent = MHD_queue_response(connection, status, response);
     MHD_destroy_response(response);
     return sent;
@@ -127,6 +140,16 @@ enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guar
     return lf_reply_send(connection, MHD_HTTP_NO_CONTENT, response, NULL);
 }
 
+enum MHD_Result lf_reply_options(struct MHD_Connection *connection)
+{
+    struct MHD_Response *response = copy_of("");
+    if (response) {
+        MHD_add_response_header(response, "Access-Control-Allow-Methods", "GET, PUT");
+        MHD_add_response_header(response, "Access-Control-Allow-Headers", "Content-Type");
+    }
+    return lf_reply_send(connection, MHD_HTTP_NO_CONTENT, response, NULL);
+}
+
 /* RFC 6455, section 4.2.2. */
 static void accept_key(const char *key, char out[BASE64_ENCODE_RAW_LENGTH(SHA1_DIGEST_SIZE) + 1])
 {
@@ -142,7 +165,7 @@ static void accept_key(const char *key, char out[BASE64_ENCODE_RAW_LENGTH(SHA1_D
 }
 
 enum MHD_Result lf_reply_upgrade(struct MHD_Connection *connection, const char *key,
-                                 MHD_UpgradeHandler upgraded, void *context)
+                                 const char *protocol, MHD_UpgradeHandler upgraded, void *context)
 {
     char accepted[BASE64_ENCODE_RAW_LENGTH(SHA1_DIGEST_SIZE) + 1];
     struct MHD_Response *response = MHD_create_response_for_upgrade(upgraded, context);
@@ -151,6 +174,8 @@ enum MHD_Result lf_reply_upgrade(struct MHD_Connection *connection, const char *
     accept_key(key, accepted);
     MHD_add_response_header(response, "Upgrade", "websocket");
     MHD_add_response_header(response, "Sec-WebSocket-Accept", accepted);
+    if (protocol)
+        MHD_add_response_header(response, "Sec-WebSocket-Protocol", protocol);
     enum MHD_Result sent = MHD_queue_response(connection, MHD_HTTP_SWITCHING_PROTOCOLS, response);
     MHD_destroy_response(response);
     return sent;

@@ -1,4 +1,5 @@
-/* reply: answers of HTTP, all with the headers that keep other pages out. Thread: event. */
+/* reply: answers of HTTP, all with the headers that keep other pages out. At a door of programs, a
+ * page of an allowed origin may read them (lf_peer). Thread: event. */
 #ifndef LF_DAEMON_WEB_REPLY_H
 #define LF_DAEMON_WEB_REPLY_H
 
@@ -28,8 +29,11 @@ enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t 
 /* 204 with the cookie of the session; secure: for https alone. */
 enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard,
                                 bool secure);
-/* 101 for a handshake with this Sec-WebSocket-Key; then `upgraded` gets the socket. */
+/* 101 for a handshake with this Sec-WebSocket-Key, and the protocol that was chosen (NULL: none);
+ * then `upgraded` gets the socket. */
 enum MHD_Result lf_reply_upgrade(struct MHD_Connection *connection, const char *key,
-                                 MHD_UpgradeHandler upgraded, void *context);
+                                 const char *protocol, MHD_UpgradeHandler upgraded, void *context);
+/* 204 to OPTIONS at a door of programs: what pages of an allowed origin may ask there. */
+enum MHD_Result lf_reply_options(struct MHD_Connection *connection);
 
 #endif

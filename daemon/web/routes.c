@@ -126,9 +126,20 @@ static enum MHD_Result act_page(lf_request *r)
     return lf_reply_page(r->connection, lf_page_find(r->path));
 }
 
+/* A program, or a page that asks its user for access, looks whether somebody is there. */
+static enum MHD_Result act_alive(lf_request *r)
+{
+    return lf_reply_text(r->connection, 200, "quiltweb");
+}
+
+static enum MHD_Result act_options(lf_request *r)
+{
+    return lf_reply_options(r->connection);
+}
+
 static enum MHD_Result act_login(lf_request *r)
 {
-    return lf_reply_cookie(r->connection, &r->web->guard, r->secure);
+    return lf_reply_cookie(r->connection, &r->web->doors[r->door].guard, r->secure);
 }
 
 static enum MHD_Result act_status(lf_request *r)
@@ -199,16 +210,25 @@ static enum MHD_Result finish_thumbnail(lf_request *r)
     return lf_route_fetch_failed(r, code);
 }
 
+static void count(lf_web *web, lf_web_counts *counts)
+{
+    counts->websockets = lf_seats_count(web);
+    counts->streams = web->n_streams;
+    counts->upload_files = lf_uploads_count(web->uploads);
+    counts->upload_bytes = lf_uploads_bytes(web->uploads);
+    counts->download_files = lf_downloads_count(web->downloads);
+    counts->download_bytes = lf_downloads_bytes(web->downloads);
+    if (!web->bridge)
+        return;
+    counts->bridge_requests = lf_bridge_requests(web->bridge);
+    counts->bridge_failures = lf_bridge_failures(web->bridge);
+}
+
 static void write_metrics(lf_request *r, const json_t *status, FILE *out)
 {
     lf_web *web = r->web;
     lf_web_counts counts = web->counts;
-    counts.websockets = web->n_seats;
-    counts.streams = web->n_streams;
-    counts.upload_files = lf_uploads_count(web->uploads);
-    counts.upload_bytes = lf_uploads_bytes(web->uploads);
-    counts.download_files = lf_downloads_count(web->downloads);
-    counts.download_bytes = lf_downloads_bytes(web->downloads);
+    count(web, &counts);
     lf_prometheus_write(status, out);
     lf_web_counts_write(&counts, out);
 }
@@ -233,6 +253,7 @@ static enum MHD_Result finish_metrics(lf_request *r)
 /* ------------------------------------------------------------------------------------- paths -- */
 
 static const lf_route page_route = {.act = act_page};
+static const lf_route options_route = {.act = act_options};
 
 static const lf_route routes[] = {
     {.path = "/api/login", .method = "POST", .needs = LF_NEEDS_TOKEN, .act = act_login},
@@ -271,19 +292,35 @@ static const lf_route routes[] = {
     {.path = "/api/upload",
      .method = "PUT",
      .needs = LF_NEEDS_TO_WRITE,
-     .has_body = true,
+     .take = lf_put_take,
      .check = lf_put_check_upload,
      .act = lf_put_upload},
     {.path = "/api/quilt",
      .method = "PUT",
      .needs = LF_NEEDS_TO_WRITE,
      .lane = LF_LANE_QUILTS,
-     .has_body = true,
+     .take = lf_put_take,
      .check = lf_put_check_quilt,
      .act = lf_put_quilt,
      .finish = lf_put_quilt_shown},
     /* it looks at the secrets itself */
-    {.path = "/rpc", .method = "GET", .act = lf_seats_answer},
+    {.path = "/rpc", .method = "GET", .act = lf_sessions_answer},
+    {.door = LF_DOOR_BRIDGE, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_BRIDGE,
+     .path = "/",
+     .is_start = true,
+     .method = "PUT",
+     .body_limit = LF_BRIDGE_BODY,
+     .take = lf_bridge_put_take,
+     .act = lf_bridge_put,
+     .finish = lf_bridge_put_done},
+    {.door = LF_DOOR_EVENTS, .path = "/", .method = "GET", .act = act_alive},
+    {.door = LF_DOOR_EVENTS,
+     .path = "/event_source",
+     .method = "GET",
+     .act = lf_bridge_events_answer},
+    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = lf_webxr_root},
+    {.door = LF_DOOR_WEBXR, .path = "/driver", .method = "GET", .act = lf_webxr_driver},
 };
 
 enum { N_ROUTES = sizeof routes / sizeof routes[0] };
@@ -295,17 +332,20 @@ static bool leads(const lf_route *route, const char *path)
                            : strcmp(route->path, path) == 0;
 }
 
-const lf_route *lf_route_find(const char *path, const char *method, unsigned *out_status)
+const lf_route *lf_route_find(lf_door door, const char *path, const char *method,
+                              unsigned *out_status)
 {
-    const bool page = lf_page_find(path);
+    const bool page = door == LF_DOOR_PAGE && lf_page_find(path);
     *out_status = page ? 405 : 404;
     if (page && (strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0))
         return &page_route;
     for (int i = 0; i < N_ROUTES; i++) {
-        if (!leads(&routes[i], path))
+        if (routes[i].door != door || !leads(&routes[i], path))
             continue;
         if (strcmp(routes[i].method, method) == 0)
             return &routes[i];
+        if (door != LF_DOOR_PAGE && strcmp(method, "OPTIONS") == 0)
+            return &options_route;
         *out_status = 405;
     }
     return NULL;

@@ -1,6 +1,7 @@
 #include "daemon/web/web_internal.h"
 
 #include <errno.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -54,8 +55,9 @@ void lf_web_wake(lf_web *web)
 
 static void accept_more(lf_web *web, bool more)
 {
-    for (int i = 0; i < web->n_listeners; i++)
-        sd_event_source_set_enabled(web->accept[i], more ? SD_EVENT_ON : SD_EVENT_OFF);
+    for (int i = 0; i < LF_DOORS; i++)
+        for (int k = 0; k < web->doors[i].sockets.n; k++)
+            sd_event_source_set_enabled(web->doors[i].accept[k], more ? SD_EVENT_ON : SD_EVENT_OFF);
 }
 
 /* Somebody waits for a place: the oldest connection that has not asked for anything makes room. */
@@ -90,14 +92,35 @@ static int on_accept(sd_event_source *source, int fd, uint32_t what, void *conte
     return on_turn(web);
 }
 
+/* The door whose port a connection came to; LF_DOORS: none. */
+static lf_door door_of(const lf_web *web, int fd)
+{
+    union {
+        struct sockaddr any;
+        struct sockaddr_in v4;
+        struct sockaddr_in6 v6;
+    } local = {.any.sa_family = AF_UNSPEC};
+    socklen_t size = sizeof local;
+    lf_door door = 0;
+    if (getsockname(fd, &local.any, &size) != 0)
+        return LF_DOORS;
+    const int port =
+        ntohs(local.any.sa_family == AF_INET6 ? local.v6.sin6_port : local.v4.sin_port);
+    while (door < LF_DOORS && web->doors[door].port != port)
+        door++;
+    return door;
+}
+
 /* NULL: out of memory. */
 static lf_peer *begin_peer(lf_web *web, struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    lf_peer *new = info ? lf_calloc(1, sizeof *new) : NULL;
+    const lf_door door = info ? door_of(web, info->connect_fd) : LF_DOORS;
+    lf_peer *new = door < LF_DOORS ? lf_calloc(1, sizeof *new) : NULL;
     if (!new)
         return NULL;
+    new->door = door;
     if (lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new->patience) !=
         LF_OK) {
         lf_free(new);
@@ -138,7 +161,7 @@ static void on_connection(void *context, struct MHD_Connection *connection, void
         accept_more(web, true);
 }
 
-static lf_peer *peer_of(struct MHD_Connection *connection)
+lf_peer *lf_peer_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
@@ -147,7 +170,7 @@ static lf_peer *peer_of(struct MHD_Connection *connection)
 
 lf_patience *lf_request_patience(struct MHD_Connection *connection)
 {
-    const lf_peer *peer = peer_of(connection);
+    const lf_peer *peer = lf_peer_of(connection);
     return peer ? peer->patience : NULL;
 }
 
@@ -187,27 +210,30 @@ static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_
 }
 
 /* The headers are there: refuses the request, or makes *out of it. */
-static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection,
-                                     const lf_peer *peer, const char *path, const char *method,
-                                     lf_request **out)
+static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection, lf_peer *peer,
+                                     const char *path, const char *method, lf_request **out)
 {
     lf_guard_request headers;
     const char *why = NULL;
     unsigned status = 0;
-    const lf_route *route = lf_route_find(path, method, &status);
+    const lf_guard *guard = &web->doors[peer->door].guard;
+    const lf_route *route = lf_route_find(peer->door, path, method, &status);
     web->counts.requests++;
     lf_reply_read(connection, path, &headers);
     headers.zero = peer->zero;
-    headers.takes_body = route && route->has_body;
-    headers.body_limit = web->upload_limit;
-    const int refused = lf_guard_check(&web->guard, &headers, &why);
+    headers.takes_body = route && route->take;
+    headers.body_limit = route && route->body_limit ? route->body_limit : web->upload_limit;
+    headers.too_long = route && route->body_limit ? "the body is too long"
+                                                  : "the body is longer than --upload-limit";
+    const int refused = lf_guard_check(guard, &headers, &why);
     web->counts.refused += refused != 0;
     if (refused)
         return lf_reply_text(connection, (unsigned)refused, why);
+    peer->origin = guard->allowed ? headers.origin : NULL;
     if (!route)
         return lf_reply_text(connection, status,
                              status == 404 ? "no such page" : "the method is not allowed here");
-    if (!may_ask(&web->guard, route->needs, &headers)) {
+    if (!may_ask(guard, route->needs, &headers)) {
         web->counts.refused++;
         return lf_reply_text(connection, 401, "the token is missing or wrong");
     }
@@ -216,9 +242,10 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
         return MHD_NO;
     *r = (lf_request){.web = web,
                       .connection = connection,
+                      .door = peer->door,
                       .path = path,
                       .route = route,
-                      .secure = lf_guard_is_public(&web->guard, &headers),
+                      .secure = lf_guard_is_public(guard, &headers),
                       .fd = -1,
                       .next = web->requests};
     web->requests = r;
@@ -230,7 +257,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
 static void *on_target(void *context, const char *target, struct MHD_Connection *connection)
 {
     (void)context;
-    lf_peer *peer = peer_of(connection);
+    lf_peer *peer = lf_peer_of(connection);
     if (peer)
         peer->zero = memmem(target, strcspn(target, "?"), "%00", 3);
     return NULL; /* no request yet */
@@ -245,7 +272,7 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     (void)version;
     lf_web *web = context;
     lf_request *r = *out_request;
-    lf_peer *peer = peer_of(connection);
+    lf_peer *peer = lf_peer_of(connection);
     if (web->ending || !peer)
         return MHD_NO;
     peer->asked = true;
@@ -259,7 +286,7 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     if (!r->route)
         return MHD_YES; /* it is answered; what still comes is lost */
     if (n > 0)
-        return lf_put_take(r, body, n);
+        return r->route->take(r, body, n);
     const bool first = !r->acted;
     r->acted = true;
     return first ? r->route->act(r) : r->route->finish(r);
@@ -285,6 +312,8 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
     lf_fetch_destroy(gone->fetch);
     lf_stream_destroy(gone->stream);
     lf_upload_drop(gone->upload);
+    lf_bridge_leave(gone->bridge_call);
+    lf_free(gone->body);
     json_decref(gone->query);
     if (gone->fd >= 0)
         close(gone->fd);
@@ -323,38 +352,80 @@ static lf_status start(lf_web *web, lf_error *err)
                 /* accuracy 1: 0 stands for a quarter of a second */
                 sd_event_add_time_relative(web->event, &web->timer, CLOCK_MONOTONIC, 0, 1, on_time,
                                            web) >= 0;
-    for (int i = 0; i < web->n_listeners && made; i++)
-        made = sd_event_add_io(web->event, &web->accept[i], web->listen_fd[i], EPOLLIN, on_accept,
-                               web) >= 0;
+    for (int i = 0; i < LF_DOORS; i++)
+        for (int k = 0; k < web->doors[i].sockets.n && made; k++)
+            made = sd_event_add_io(web->event, &web->doors[i].accept[k],
+                                   web->doors[i].sockets.fd[k], EPOLLIN, on_accept, web) >= 0;
     return made ? LF_OK : lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
 }
 
-/* Looks at the sockets, which must be at one port, and writes the URL of the first. */
-static lf_status look_at_listeners(lf_web *web, const char *public_origin, lf_error *err)
+/* Finds the port of a door, and whether its first address is one of IPv6. */
+static lf_status look_at_door(lf_web *web, lf_door door, bool *out_v6, lf_error *err)
 {
+    lf_entrance *at = &web->doors[door];
     lf_status status = LF_OK;
-    bool v6 = false, first_v6 = false;
-    for (int i = 0; i < web->n_listeners && status == LF_OK; i++) {
+    for (int i = 0; i < at->sockets.n && status == LF_OK; i++) {
         int port = 0;
-        status = lf_web_listener_look(web->listen_fd[i], &port, &v6, err);
-        if (status == LF_OK && i > 0 && port != web->port)
+        bool v6 = false;
+        status = lf_web_listener_look(at->sockets.fd[i], &port, &v6, err);
+        if (status == LF_OK && i > 0 && port != at->port)
             status = lf_error_set(err, LF_E_ARG, "socket", "all sockets need the same port");
-        web->port = i == 0 ? port : web->port;
-        first_v6 = i == 0 ? v6 : first_v6;
+        at->port = i == 0 ? port : at->port;
+        *out_v6 = i == 0 ? v6 : *out_v6;
+    }
+    for (int i = 0; i < (int)door && status == LF_OK && at->port > 0; i++)
+        if (web->doors[i].port == at->port)
+            status = lf_error_set(err, LF_E_ARG, "socket",
+                                  "port %d is given twice; choose another one", at->port);
+    return status;
+}
+
+/* Looks at all sockets, and writes the URL of the page. */
+static lf_status look_at_doors(lf_web *web, const char *public_origin, lf_error *err)
+{
+    lf_entrance *page = &web->doors[LF_DOOR_PAGE];
+    bool v6 = false, ignored;
+    lf_status status = look_at_door(web, LF_DOOR_PAGE, &v6, err);
+    for (lf_door door = LF_DOOR_PAGE + 1; door < LF_DOORS && status == LF_OK; door++) {
+        status = look_at_door(web, door, &ignored, err);
+        lf_guard_init_programs(&web->doors[door].guard, web->doors[door].port, &web->allowed);
     }
     if (status == LF_OK)
-        status = lf_guard_init(&web->guard, web->port, err);
+        status = lf_guard_init(&page->guard, page->port, err);
     if (status == LF_OK && public_origin)
-        status = lf_guard_set_public(&web->guard, public_origin, err);
+        status = lf_guard_set_public(&page->guard, public_origin, err);
     if (status != LF_OK)
         return status;
     if (public_origin)
-        snprintf(web->url, sizeof web->url, "%s/#%s", web->guard.public_origin,
-                 web->guard.token.text);
+        snprintf(web->url, sizeof web->url, "%s/#%s", page->guard.public_origin,
+                 page->guard.token.text);
     else
-        snprintf(web->url, sizeof web->url, "http://%s:%d/#%s", first_v6 ? "[::1]" : "127.0.0.1",
-                 web->port, web->guard.token.text);
+        snprintf(web->url, sizeof web->url, "http://%s:%d/#%s", v6 ? "[::1]" : "127.0.0.1",
+                 page->port, page->guard.token.text);
     return LF_OK;
+}
+
+static void close_doors(const lf_web_config *config)
+{
+    for (int i = 0; i < LF_DOORS; i++) {
+        lf_web_sockets sockets = config->doors[i];
+        lf_web_sockets_close(&sockets);
+    }
+}
+
+/* If somebody can ask it, or listen to it. */
+static lf_status begin_bridge(lf_web *web, const char *version, lf_error *err)
+{
+    if (web->doors[LF_DOOR_BRIDGE].port == 0 && web->doors[LF_DOOR_EVENTS].port == 0)
+        return LF_OK;
+    web->bridge_version = lf_strdup(version ? version : LF_BRIDGE_VERSION);
+    const lf_bridge_config config = {.event = web->event,
+                                     .socket = web->socket,
+                                     .version = web->bridge_version,
+                                     .tell = lf_bridge_events_tell,
+                                     .context = web};
+    return web->bridge_version ? lf_bridge_create(&config, &web->bridge, err)
+                               : lf_error_set(err, LF_E_NOMEM, "bridge", "out of memory");
 }
 
 lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **out, lf_error *err)
@@ -364,16 +435,21 @@ lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **o
     if (!web || !path) {
         lf_free(web);
         lf_free(path);
-        for (int i = 0; i < config->n_listen_fds; i++)
-            close(config->listen_fds[i]);
+        close_doors(config);
         return lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
     }
     *web = (lf_web){.event = event,
                     .socket = path,
                     .upload_limit = config->upload_limit,
-                    .n_listeners = config->n_listen_fds};
-    memcpy(web->listen_fd, config->listen_fds, (size_t)web->n_listeners * sizeof(int));
-    lf_status status = look_at_listeners(web, config->public_origin, err);
+                    .driver = config->driver,
+                    .panel_only = config->panel_only};
+    if (config->allowed)
+        web->allowed = *config->allowed;
+    for (int i = 0; i < LF_DOORS; i++)
+        web->doors[i].sockets = config->doors[i];
+    lf_status status = look_at_doors(web, config->public_origin, err);
+    if (status == LF_OK)
+        status = begin_bridge(web, config->bridge_version, err);
     if (status == LF_OK)
         status = lf_uploads_create(event, config->upload_limit, &web->uploads, err);
     if (status == LF_OK)
@@ -392,15 +468,16 @@ void lf_web_destroy(lf_web *web)
     if (!web)
         return;
     web->ending = true;
-    for (int i = 0; i < web->n_listeners; i++) {
-        sd_event_source_disable_unref(web->accept[i]);
-        close(web->listen_fd[i]);
+    for (int i = 0; i < LF_DOORS; i++) {
+        for (int k = 0; k < web->doors[i].sockets.n; k++)
+            sd_event_source_disable_unref(web->doors[i].accept[k]);
+        lf_web_sockets_close(&web->doors[i].sockets);
     }
     lf_seats_leave(web);
     for (lf_request *r = web->requests; r; r = r->next) {
         if (r->fetch)
             lf_fetch_cancel(r->fetch);
-        if (r->waiting)
+        if (r->waiting || (r->bridge_call && !lf_bridge_reply(r->bridge_call)))
             lf_request_resume(r);
         if (r->stream)
             lf_stream_end(r->stream);
@@ -411,6 +488,8 @@ void lf_web_destroy(lf_web *web)
     }
     lf_uploads_destroy(web->uploads);
     lf_downloads_destroy(web->downloads);
+    lf_bridge_destroy(web->bridge);
+    lf_free(web->bridge_version);
     sd_event_source_disable_unref(web->io);
     sd_event_source_disable_unref(web->timer);
     lf_free(web->socket);
@@ -422,12 +501,12 @@ const char *lf_web_url(const lf_web *web)
     return web->url;
 }
 
-int lf_web_port(const lf_web *web)
+int lf_web_port(const lf_web *web, lf_door door)
 {
-    return web->port;
+    return web->doors[door].port;
 }
 
 int lf_web_sessions(const lf_web *web)
 {
-    return web->n_seats;
+    return lf_seats_count(web);
 }

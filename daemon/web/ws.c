@@ -29,7 +29,10 @@ struct lf_ws {
     int frames;            /* of the message that is received */
     bool sent;             /* something was sent in this turn */
     size_t delivered, due; /* since the timer began: bytes sent; bytes to send before it ends */
-    bool lingering, ended;
+    bool control; /* the frame that is received is one of control, perhaps between two of a message
+                   */
+    bool streams; /* the message that is received is binary, and comes in parts */
+    bool paused, lingering, ended;
 };
 
 static int on_io(sd_event_source *source, int fd, uint32_t what, void *context);
@@ -39,7 +42,7 @@ static int on_time(sd_event_source *source, uint64_t usec, void *context);
 
 static bool is_full(const lf_ws *ws)
 {
-    return wslay_event_get_queued_msg_count(ws->wslay) > MAX_WAITING;
+    return ws->paused || wslay_event_get_queued_msg_count(ws->wslay) > MAX_WAITING;
 }
 
 static ssize_t receive(wslay_event_context_ptr wslay, uint8_t *to, size_t n, int flags,
@@ -92,11 +95,30 @@ static void on_frame(wslay_event_context_ptr wslay,
 {
     (void)wslay;
     lf_ws *ws = context;
-    if (wslay_is_ctrl_frame(frame->opcode))
+    ws->control = wslay_is_ctrl_frame(frame->opcode);
+    if (ws->control)
         return;
+    if (ws->events.part) {
+        ws->streams = frame->opcode == WSLAY_CONTINUATION_FRAME
+                          ? ws->streams
+                          : frame->opcode == WSLAY_BINARY_FRAME;
+        if (!ws->streams)
+            lf_ws_close(ws, LF_WS_UNSUPPORTED, "expects binary messages");
+        return;
+    }
     ws->frames = frame->opcode == WSLAY_CONTINUATION_FRAME ? ws->frames + 1 : 1;
     if (ws->frames > LF_WS_MAX_FRAMES)
         lf_ws_close(ws, LF_WS_POLICY, "a message has too many frames");
+}
+
+/* Of a frame that is not kept by wslay: those of control are. */
+static void on_chunk(wslay_event_context_ptr wslay,
+                     const struct wslay_event_on_frame_recv_chunk_arg *chunk, void *context)
+{
+    (void)wslay;
+    lf_ws *ws = context;
+    if (ws->streams && !ws->control && chunk->data_length > 0)
+        ws->events.part(ws->events.context, chunk->data, chunk->data_length);
 }
 
 static void on_message(wslay_event_context_ptr wslay,
@@ -104,6 +126,11 @@ static void on_message(wslay_event_context_ptr wslay,
 {
     (void)wslay;
     lf_ws *ws = context;
+    if (ws->events.part) {
+        if (message->opcode == WSLAY_BINARY_FRAME)
+            ws->events.part(ws->events.context, NULL, 0);
+        return;
+    }
     if (message->opcode == WSLAY_TEXT_FRAME)
         ws->events.text(ws->events.context, message->msg ? (const char *)message->msg : "",
                         message->msg_length);
@@ -118,13 +145,16 @@ static lf_status set_up(lf_ws *ws, sd_event *event, const void *early, size_t n)
     static const struct wslay_event_callbacks callbacks = {.recv_callback = receive,
                                                            .send_callback = transmit,
                                                            .on_frame_recv_start_callback = on_frame,
+                                                           .on_frame_recv_chunk_callback = on_chunk,
                                                            .on_msg_recv_callback = on_message};
     ws->early = lf_calloc(n, 1);
     if (!ws->early || wslay_event_context_server_init(&ws->wslay, &callbacks, ws) != 0)
         return LF_E_NOMEM;
     if (n > 0)
         memcpy(ws->early, early, n);
-    wslay_event_config_set_max_recv_msg_length(ws->wslay, LF_WS_MAX_MESSAGE);
+    wslay_event_config_set_no_buffering(ws->wslay, ws->events.part ? 1 : 0);
+    wslay_event_config_set_max_recv_msg_length(ws->wslay, ws->events.part ? ws->events.longest
+                                                                          : LF_WS_MAX_MESSAGE);
     /* EPOLLOUT: the first turn comes at once, for what came early */
     if (sd_event_add_io(event, &ws->io, ws->fd, EPOLLIN | EPOLLOUT, on_io, ws) < 0 ||
         sd_event_add_time_relative(event, &ws->timer, CLOCK_MONOTONIC, STALL_USEC, 0, on_time, ws) <
@@ -238,12 +268,12 @@ static int on_io(sd_event_source *source, int fd, uint32_t what, void *context)
 {
     (void)source;
     (void)fd;
-    (void)what;
     lf_ws *ws = context;
     ws->budget = BYTES_A_TURN;
     ws->sent = false;
-    bool broken = false;
-    if (!ws->lingering)
+    /* while paused nothing is read that would tell */
+    bool broken = ws->paused && (what & (EPOLLHUP | EPOLLERR));
+    if (!ws->lingering && !broken)
         broken = wslay_event_recv(ws->wslay) != 0 || wslay_event_send(ws->wslay) != 0;
     if (broken)
         end(ws);
@@ -282,6 +312,13 @@ void lf_ws_close(lf_ws *ws, int code, const char *reason)
                             strnlen(reason, MAX_REASON));
     wslay_event_shutdown_read(ws->wslay);
     look_for_more(ws);
+}
+
+void lf_ws_pause(lf_ws *ws, bool paused)
+{
+    ws->paused = paused;
+    if (!ws->ended)
+        look_for_more(ws);
 }
 
 size_t lf_ws_queued(const lf_ws *ws)

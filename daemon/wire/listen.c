@@ -38,21 +38,21 @@ bool lf_default_socket(int index, char *out, size_t size)
     return index == 0;
 }
 
-static lf_status address_of(const char *path, struct sockaddr_un *out, lf_error *err)
+static lf_status address_of(const char *path, const char *option, struct sockaddr_un *out,
+                            lf_error *err)
 {
     *out = (struct sockaddr_un){.sun_family = AF_UNIX};
     if (strlen(path) >= sizeof out->sun_path)
-        return lf_error_set(
-            err, LF_E_ARG, path,
-            "the socket path is longer than %zu bytes; use a shorter one (--socket PATH)",
-            sizeof out->sun_path - 1);
+        return lf_error_set(err, LF_E_ARG, path,
+                            "the socket path is longer than %zu bytes; use a shorter one (%s)",
+                            sizeof out->sun_path - 1, option);
     memcpy(out->sun_path, path, strlen(path) + 1);
     return LF_OK;
 }
 
 /* The lock file is next to the socket; its holder may replace the socket. Retries, because an
  * ending daemon removes the file, and a lock on a removed file is worthless. */
-static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
+static lf_status take_lock(const char *path, const char *option, int *out_fd, lf_error *err)
 {
     char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
     snprintf(lock, sizeof lock, "%.*s.lock", (int)sizeof((struct sockaddr_un *)0)->sun_path, path);
@@ -61,13 +61,13 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
         if (fd < 0) {
             return lf_error_set(err, LF_E_IO, path,
                                 "cannot create the lock file of the socket: %s; choose another "
-                                "path with --socket PATH or QUILTD_SOCKET",
-                                lf_errno_text(errno));
+                                "%s",
+                                lf_errno_text(errno), option);
         }
         if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
             close(fd);
             return lf_error_set(err, LF_E_BUSY, path,
-                                "another quiltd uses this socket; choose another --socket PATH");
+                                "another quiltd uses this socket; choose another %s", option);
         }
         struct stat ours, there;
         if (fstat(fd, &ours) == 0 && stat(lock, &there) == 0 && ours.st_ino == there.st_ino &&
@@ -81,14 +81,18 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
 
 /* Removes a socket of a dead daemon, but not one at which a daemon answers, nor another kind of
  * file. */
-static lf_status clear_name(const char *path, const struct sockaddr_un *address, lf_error *err)
+static lf_status clear_name(const char *path, const char *option, const struct sockaddr_un *address,
+                            lf_error *err)
 {
     struct stat st;
     if (lstat(path, &st) != 0)
         return LF_OK;
     if (!S_ISSOCK(st.st_mode))
+        return lf_error_set(err, LF_E_EXISTS, path, "exists and is not a socket; choose another %s",
+                            option);
+    if (st.st_uid != geteuid())
         return lf_error_set(err, LF_E_EXISTS, path,
-                            "exists and is not a socket; choose another --socket PATH");
+                            "the socket is another user's; choose another %s", option);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     bool answered =
         fd >= 0 &&
@@ -97,7 +101,7 @@ static lf_status clear_name(const char *path, const struct sockaddr_un *address,
         close(fd);
     if (answered)
         return lf_error_set(err, LF_E_BUSY, path,
-                            "another program uses this socket; choose another --socket PATH");
+                            "another program uses this socket; choose another %s", option);
     return unlink(path) == 0 ? LF_OK
                              : lf_error_set(err, LF_E_IO, path, "cannot replace the old socket: %s",
                                             lf_errno_text(errno));
@@ -162,12 +166,19 @@ lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error 
         snprintf(path, sizeof path, "%s", socket);
     else
         (void)lf_default_socket(0, path, sizeof path);
+    return lf_listen_at(path, "--socket PATH", out, out_fd, err);
+}
+
+lf_status lf_listen_at(const char *path, const char *option, lf_listener *out, int *out_fd,
+                       lf_error *err)
+{
     struct sockaddr_un address;
-    lf_status status = address_of(path, &address, err);
+    *out = (lf_listener){.lock_fd = -1};
+    lf_status status = address_of(path, option, &address, err);
     if (status == LF_OK)
-        status = take_lock(path, &out->lock_fd, err);
+        status = take_lock(path, option, &out->lock_fd, err);
     if (status == LF_OK)
-        status = clear_name(path, &address, err);
+        status = clear_name(path, option, &address, err);
     if (status == LF_OK)
         status = bind_and_listen(path, &address, out_fd, err);
     if (status == LF_OK)

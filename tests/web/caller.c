@@ -7,12 +7,14 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include "daemon/web/door.h"
+
 enum { PATIENCE_MS = 60000 };
 
-int lf_caller_connect(const gateway *g)
+int lf_caller_connect_door(const gateway *g, int door)
 {
     struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)lf_gateway_port(g)),
+                                  .sin_port = htons((uint16_t)lf_gateway_door_port(g, door)),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     const struct timeval patience = {.tv_sec = PATIENCE_MS / 1000};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -20,6 +22,11 @@ int lf_caller_connect(const gateway *g)
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
     return fd;
+}
+
+int lf_caller_connect(const gateway *g)
+{
+    return lf_caller_connect_door(g, LF_DOOR_PAGE);
 }
 
 bool lf_caller_send(int fd, const char *raw, size_t n)
@@ -60,11 +67,16 @@ const char *lf_caller_rest(int fd)
     return answer;
 }
 
-const char *lf_caller_ask(const gateway *g, const char *request)
+const char *lf_caller_ask_door(const gateway *g, int door, const char *request)
 {
-    int fd = lf_caller_connect(g);
+    int fd = lf_caller_connect_door(g, door);
     (void)lf_caller_send(fd, request, strlen(request));
     return lf_caller_rest(fd);
+}
+
+const char *lf_caller_ask(const gateway *g, const char *request)
+{
+    return lf_caller_ask_door(g, LF_DOOR_PAGE, request);
 }
 
 int lf_caller_begin(const gateway *g, const char *line, const char *headers)

@@ -18,10 +18,12 @@ struct gateway {
     char *folder;
     char socket[108];
     pthread_t web_thread, daemon_thread;
-    int stop_web, stop_daemon;                               /* eventfds */
-    int web_fds[LF_WEB_MAX_LISTENERS], n_web_fds, daemon_fd; /* listening */
-    int port;
+    int stop_web, stop_daemon; /* eventfds */
+    int daemon_fd;             /* listening */
+    lf_web_sockets doors[LF_DOORS];
+    int ports[LF_DOORS];
     const char *public_origin;
+    lf_origins allowed;
     char url[LF_WEB_URL_SIZE];
     char cookie[128];
     pthread_barrier_t ready;
@@ -438,16 +440,17 @@ static void *be_gateway(void *context)
     sd_event *event = NULL;
     lf_web *web = NULL;
     lf_error err = {0};
-    const lf_web_config config = {.listen_fds = g->web_fds,
-                                  .n_listen_fds = g->n_web_fds,
-                                  .socket = g->socket,
-                                  .public_origin = g->public_origin,
-                                  .upload_limit = GATEWAY_UPLOADS};
+    lf_web_config config = {.allowed = &g->allowed,
+                            .socket = g->socket,
+                            .public_origin = g->public_origin,
+                            .upload_limit = GATEWAY_UPLOADS};
+    memcpy(config.doors, g->doors, sizeof config.doors);
     if (sd_event_new(&event) < 0 ||
         sd_event_add_io(event, NULL, g->stop_web, POLLIN, on_stop, NULL) < 0 ||
         lf_web_create(event, &config, &web, &err) != LF_OK)
         abort();
-    g->port = lf_web_port(web);
+    for (int i = 0; i < LF_DOORS; i++)
+        g->ports[i] = lf_web_port(web, i);
     snprintf(g->url, sizeof g->url, "%s", lf_web_url(web));
     pthread_barrier_wait(&g->ready);
     sd_event_loop(event);
@@ -456,10 +459,9 @@ static void *be_gateway(void *context)
     return NULL;
 }
 
-static int set_up(void **state, const char *public_origin)
+static int set_up(void **state, const char *public_origin, bool programs)
 {
     gateway *g = calloc(1, sizeof *g);
-    static const char *const both[] = {"127.0.0.1:0", "[::1]:0"};
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     lf_error err = {0};
     assert_non_null(g);
@@ -474,7 +476,10 @@ static int set_up(void **state, const char *public_origin)
     g->daemon_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(bind(g->daemon_fd, (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(g->daemon_fd, 40), 0);
-    lf_assert_ok(lf_web_listen_all(both, 2, g->web_fds, &g->n_web_fds, &err), &err);
+    for (int i = 0; i < (programs ? LF_DOORS : 1); i++)
+        lf_assert_ok(lf_web_listen_port(0, &g->doors[i], &err), &err);
+    if (programs)
+        lf_assert_ok(lf_origins_add(&g->allowed, "https://allowed.test", &err), &err);
     pthread_mutex_init(&g->lock, NULL);
     pthread_barrier_init(&g->ready, NULL, 2);
     assert_int_equal(pthread_create(&g->daemon_thread, NULL, be_daemon, g), 0);
@@ -486,12 +491,17 @@ static int set_up(void **state, const char *public_origin)
 
 int lf_gateway_setup(void **state)
 {
-    return set_up(state, NULL);
+    return set_up(state, NULL, false);
 }
 
 int lf_gateway_public_setup(void **state)
 {
-    return set_up(state, "https://panel.test");
+    return set_up(state, "https://panel.test", false);
+}
+
+int lf_gateway_programs_setup(void **state)
+{
+    return set_up(state, NULL, true);
 }
 
 int lf_gateway_teardown(void **state)
@@ -519,12 +529,17 @@ int lf_gateway_teardown(void **state)
 
 int lf_gateway_port(const gateway *g)
 {
-    return g->port;
+    return g->ports[LF_DOOR_PAGE];
+}
+
+int lf_gateway_door_port(const gateway *g, int door)
+{
+    return g->ports[door];
 }
 
 bool lf_gateway_has_v6(const gateway *g)
 {
-    return g->n_web_fds == 2;
+    return g->doors[LF_DOOR_PAGE].n == 2;
 }
 
 const char *lf_gateway_url(const gateway *g)

@@ -18,12 +18,17 @@ int lf_gateway_setup(void **state);
 int lf_gateway_teardown(void **state);
 /* One with --public https://panel.test. */
 int lf_gateway_public_setup(void **state);
+/* One with the doors of programs, where pages of https://allowed.test may ask. */
+int lf_gateway_programs_setup(void **state);
+#define lf_gateway_programs_test(test)                                                             \
+    cmocka_unit_test_setup_teardown(test, lf_gateway_programs_setup, lf_gateway_teardown)
 #define lf_gateway_public_test(test)                                                               \
     cmocka_unit_test_setup_teardown(test, lf_gateway_public_setup, lf_gateway_teardown)
 #define lf_gateway_test(test)                                                                      \
     cmocka_unit_test_setup_teardown(test, lf_gateway_setup, lf_gateway_teardown)
 
 int lf_gateway_port(const gateway *g);
+int lf_gateway_door_port(const gateway *g, int door);
 /* Whether it listens on [::1], too, and not only on 127.0.0.1. */
 bool lf_gateway_has_v6(const gateway *g);
 const char *lf_gateway_token(const gateway *g);
@@ -66,8 +71,9 @@ void lf_gateway_flood_end(gateway *g);
 /* Closes all connections of quiltd. */
 void lf_gateway_hang_up(gateway *g);
 
-/* A TCP connection to the gateway. */
+/* A TCP connection to the gateway: to its page, or to a door (lf_door). */
 int lf_caller_connect(const gateway *g);
+int lf_caller_connect_door(const gateway *g, int door);
 /* Sends raw[n]; true if all of it was taken. */
 bool lf_caller_send(int fd, const char *raw, size_t n);
 /* Sends raw[n] until nobody takes more for a second; the number of bytes taken. */
@@ -80,6 +86,7 @@ int lf_caller_begin(const gateway *g, const char *line, const char *headers);
 const char *lf_caller_put(const gateway *g, const char *target, const char *body, size_t n);
 /* Sends a request and returns all that comes until the end, terminated, in a static buffer. */
 const char *lf_caller_ask(const gateway *g, const char *request);
+const char *lf_caller_ask_door(const gateway *g, int door, const char *request);
 /* As lf_caller_ask, with "METHOD PATH HTTP/1.1", a Host that is right, and more headers (each ended
  * by \r\n). */
 const char *lf_caller_get(const gateway *g, const char *line, const char *headers);

@@ -202,6 +202,7 @@ static void a_body_has_a_length_within_its_limit(void **state)
         lf_guard_request r = good();
         r.takes_body = true;
         r.body_limit = 1000;
+        r.too_long = "too long";
         r.length = rows[i].length;
         r.lengths = r.length ? 1 : 0;
         assert_int_equal(check(&r), rows[i].status);

@@ -38,7 +38,8 @@ static void check_refused(sd_event *event, const int *fds, int n)
 {
     lf_error err = {0};
     lf_web *web = NULL;
-    const lf_web_config config = {.listen_fds = fds, .n_listen_fds = n, .socket = "/nowhere"};
+    const lf_web_config config = {.doors[LF_DOOR_PAGE] = {.fd = {fds[0], fds[1]}, .n = n},
+                                  .socket = "/nowhere"};
     lf_assert_status(lf_web_create(event, &config, &web, &err), LF_E_ARG, &err);
 }
 
@@ -51,7 +52,7 @@ static void a_socket_for_everybody_is_refused(void **state)
     sd_event *event = NULL;
     lf_web *web = NULL;
     int fds[2] = {socket(AF_INET, SOCK_STREAM, 0), -1};
-    const lf_web_config config = {.listen_fds = fds, .n_listen_fds = 1, .socket = "/nowhere"};
+    lf_web_config config = {.doors[LF_DOOR_PAGE].n = 1, .socket = "/nowhere"};
     assert_true(sd_event_new(&event) >= 0);
     assert_int_equal(bind(fds[0], (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(fds[0], 1), 0);
@@ -61,7 +62,7 @@ static void a_socket_for_everybody_is_refused(void **state)
     lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[0], &err), &err);
     lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[1], &err), &err);
     check_refused(event, fds, 2); /* two ports */
-    lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[0], &err), &err);
+    lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.doors[LF_DOOR_PAGE].fd[0], &err), &err);
     lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
     assert_memory_equal(lf_web_url(web), "http://127.0.0.1:", 17);
     assert_int_equal(strlen(strchr(lf_web_url(web), '#') + 1), 32);

@@ -981,6 +981,8 @@ export interface Calls {
     params: {
       /** device as in --device: auto, none, sim:DIR, drm, window, usb */
       "spec": string;
+      /** with spec none: when this connection ends, open the panel again */
+      "lend"?: boolean;
       /** response of the panel to its codes: srgb or an exponent */
       "gamma"?: "srgb" | number;
       /** colour temperature of the panel's white; not together with white_x [kelvin] */

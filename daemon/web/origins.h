@@ -1,0 +1,24 @@
+/* origins: pages of others that may ask at the doors of programs (--allow-origin). Thread: any. */
+#ifndef LF_DAEMON_WEB_ORIGINS_H
+#define LF_DAEMON_WEB_ORIGINS_H
+
+#include "base/status.h"
+
+enum { LF_ORIGINS_MOST = 16, LF_ORIGINS_MAX_TEXT = 272 };
+
+/* Stands for any port of localhost, 127.0.0.1 and [::1] by http. */
+#define LF_ORIGINS_LOCAL "http://localhost:*"
+
+typedef struct lf_origins {
+    int n;
+    bool local;
+    char text[LF_ORIGINS_MOST][LF_ORIGINS_MAX_TEXT];
+} lf_origins;
+
+/* Adds "http://NAME", "https://NAME", either with ":PORT", or LF_ORIGINS_LOCAL. LF_E_ARG: it is
+ * something else, for example "null" or "*", or there are too many. */
+LF_NODISCARD lf_status lf_origins_add(lf_origins *origins, const char *text, lf_error *err);
+/* True for the very text that was added, and for what LF_ORIGINS_LOCAL stands for. */
+bool lf_origins_have(const lf_origins *origins, const char *origin);
+
+#endif
