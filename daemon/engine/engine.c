@@ -14,8 +14,8 @@ typedef enum next_step {
     NEXT_STOP,
     NEXT_REQUEST,
     NEXT_CHANGES,
-    NEXT_MOVIE,
     NEXT_FADE,
+    NEXT_MOVIE,
     NEXT_RENDER,
     NEXT_SETTLE
 } next_step;
@@ -44,22 +44,22 @@ static next_step next_todo(lf_engine *engine)
     const engine_news *news = &engine->news;
     if (news->controls || news->panel || news->card || news->fade)
         return NEXT_CHANGES;
-    if (engine->news.movie)
-        return NEXT_MOVIE;
     if (has_come(engine_fade_due_ns(engine)))
         return NEXT_FADE;
+    if (news->movie)
+        return NEXT_MOVIE;
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
 /* True if a frame is to be posted now. */
 static bool is_to_settle(const lf_engine *engine)
 {
-    return !engine->fade.defers && (engine->owed || has_come(engine->frames.again_ns));
+    return !engine->frames.fade.defers && (engine->owed || has_come(engine->frames.again_ns));
 }
 
 static void sleep_now(lf_engine *engine)
 {
-    const uint64_t again = engine->fade.defers ? 0 : engine->frames.again_ns,
+    const uint64_t again = engine->frames.fade.defers ? 0 : engine->frames.again_ns,
                    fade = engine_fade_due_ns(engine);
     const uint64_t until = again > 0 && (fade == 0 || again < fade) ? again : fade;
     if (until > 0)
@@ -319,8 +319,8 @@ void lf_engine_destroy(lf_engine *engine)
         pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->lens.interlacer);
     lf_image8_finish(&engine->lens.card.image);
-    lf_image8_finish(&engine->fade.from);
-    lf_image8_finish(&engine->fade.to);
+    lf_image8_finish(&engine->frames.fade.from);
+    lf_image8_finish(&engine->frames.fade.to);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);
     lf_content_unref(engine->content);

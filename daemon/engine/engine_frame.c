@@ -91,9 +91,9 @@ void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views
         lf_mailbox_compare(engine->mailbox, frame);
     }
     attach_views(engine, frame, views, final);
+    engine_fade_limit(frame);
     frame->counts = engine->movie.is_fresh;
     engine->movie.is_fresh = false;
-    engine_fade_limit(frame);
     engine->frames.n++;
     engine->frames.cost = lf_time_now() - engine->frames.at;
     engine_publish(engine); /* before the frame, because its receiver may query the status next */

@@ -123,8 +123,9 @@ typedef struct engine_fade {
     engine_faded head;   /* of `to` */
 } engine_fade;
 
-/* Counts of posted frames; start and cost of the last one. */
+/* The crossfade and counts of posted frames; start and cost of the last one. */
 typedef struct engine_frames {
+    engine_fade fade;
     uint64_t n, n_before; /* n_before: frames before this content */
     bool has_picture;     /* one of them showed a picture, not a card */
     bool shows;           /* the last frame of this content showed its picture */
@@ -206,7 +207,6 @@ struct lf_engine {
     engine_look look;
     engine_fit fit;
     engine_movie movie;
-    engine_fade fade;
 };
 
 /* True if there is work to render. */
@@ -237,6 +237,20 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);
 void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final);
 /* The views to show, and their level. *out_blank: view pixels without a source nearby. */
 lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank);
+/* Crossfades. To be called when `content` takes the place of `before` (NULL: none). */
+void engine_fade_commit(lf_engine *engine, const lf_content *before, const lf_content *content);
+/* True if frames below coarse are not worth posting: the image before them stays. */
+bool engine_fade_waits(const lf_engine *engine);
+/* Mixes a composed frame with a panel image, if a crossfade runs or starts with it. */
+void engine_fade_frame(lf_engine *engine, lf_frame *frame);
+/* Limits the level of a mixed frame to coarse; after its views are attached. */
+void engine_fade_limit(lf_frame *frame);
+/* lf_time_now_ns at which engine_fade_step is to be called; 0: never. */
+uint64_t engine_fade_due_ns(const lf_engine *engine);
+/* Posts the next mixed frame, except if the panel has not taken the last one yet. */
+void engine_fade_step(lf_engine *engine);
+/* Ends a crossfade at once. */
+void engine_fade_end(lf_engine *engine);
 /* Pauses the video as requested; under lock. */
 void engine_hold_movie(lf_engine *engine);
 /* Posts a frame of what is shown. final: no other frame follows soon. */
@@ -253,20 +267,6 @@ void engine_end_movie(lf_engine *engine);
 void engine_take_movie(lf_engine *engine);
 /* Copies the current frame of the video into a snapshot. */
 lf_status engine_snapshot_movie(const lf_engine *engine, lf_snapshot *out, lf_error *err);
-/* Crossfades. To be called when `content` takes the place of `before` (NULL: none). */
-void engine_fade_commit(lf_engine *engine, const lf_content *before, const lf_content *content);
-/* True if frames below coarse are not worth posting: the image before them stays. */
-bool engine_fade_waits(const lf_engine *engine);
-/* Mixes a composed frame with a panel image, if a crossfade runs or starts with it. */
-void engine_fade_frame(lf_engine *engine, lf_frame *frame);
-/* Limits the level of a mixed frame to coarse; after its views are attached. */
-void engine_fade_limit(lf_frame *frame);
-/* lf_time_now_ns at which engine_fade_step is to be called; 0: never. */
-uint64_t engine_fade_due_ns(const lf_engine *engine);
-/* Posts the next mixed frame, except if the panel has not taken the last one yet. */
-void engine_fade_step(lf_engine *engine);
-/* Ends a crossfade at once. */
-void engine_fade_end(lf_engine *engine);
 /* Functions of requests. */
 lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);

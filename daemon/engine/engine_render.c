@@ -36,7 +36,7 @@ bool engine_has_work(const lf_engine *engine)
 
 static double batch_seconds(const lf_engine *engine)
 {
-    if (engine->fade.runs)
+    if (engine->frames.fade.runs)
         return BATCH_SECONDS_FADE;
     return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
 }
@@ -204,8 +204,9 @@ static void note_cost(lf_engine *engine)
 void engine_post_frame(lf_engine *engine, bool final)
 {
     const bool fits = fit_is_due(engine, final);
-    engine->fade.defers = engine->owed = fits && engine->fit.passes > 0 && engine->fade.runs;
-    if (engine->fade.defers)
+    engine->frames.fade.defers = engine->owed =
+        fits && engine->fit.passes > 0 && engine->frames.fade.runs;
+    if (engine->frames.fade.defers)
         return;
     engine->frames.again_ns = 0;
     if (fits && fit(engine, final) != LF_OK)
@@ -493,7 +494,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
 
 static void start_over(lf_engine *engine)
 {
-    engine->spoiled = engine->converged = engine->fade.defers = false;
+    engine->spoiled = engine->converged = engine->frames.fade.defers = false;
     engine->owed = engine->content && !engine->content->scene;
     engine->level = LF_LEVEL_NONE;
     engine->spent.passes = engine->spent.seconds = 0;

@@ -79,8 +79,8 @@ lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height)
     }
     frame->n_rects = 0;
     frame->against = 0;
-    frame->has_views = frame->sent_views = frame->lacks_views = frame->fades = false;
-    frame->moves = frame->counts = false;
+    frame->has_views = frame->sent_views = frame->lacks_views = false;
+    frame->fades = frame->moves = frame->counts = false;
     frame->card[0] = '\0';
     return frame;
 }
@@ -143,6 +143,12 @@ const lf_frame *lf_mailbox_waiting(lf_mailbox *mailbox)
     return frame;
 }
 
+/* Slots are free only after another one took their place, so the last one is never free. */
+const lf_frame *lf_mailbox_last(lf_mailbox *mailbox)
+{
+    return mailbox->last >= 0 ? &mailbox->slot[mailbox->last] : NULL;
+}
+
 /* A frame that shows the same picture again takes the place of the one it replaces. */
 static void note_replaced(lf_mailbox *mailbox, lf_frame *frame)
 {
@@ -169,12 +175,6 @@ lf_mailbox_counts lf_mailbox_counted(lf_mailbox *mailbox)
     const lf_mailbox_counts counts = mailbox->counts;
     pthread_mutex_unlock(&mailbox->lock);
     return counts;
-}
-
-/* Slots are free only after another one took their place, so the last one is never free. */
-const lf_frame *lf_mailbox_last(lf_mailbox *mailbox)
-{
-    return mailbox->last >= 0 ? &mailbox->slot[mailbox->last] : NULL;
 }
 
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)

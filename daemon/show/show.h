@@ -27,8 +27,8 @@ typedef struct lf_shown {
     lf_level level;
     double passes;
     bool reconstructed;
-    bool moves;              /* one of many frames of a video */
     bool fades;              /* mixed with an earlier image; its level is at most coarse */
+    bool moves;              /* one of many frames of a video */
     char card[LF_CARD_TEXT]; /* text of a card shown instead of a picture; empty: a picture */
 } lf_shown;
 

@@ -75,8 +75,8 @@ static lf_shown shown_of(const lf_frame *frame)
                       .level = frame->level,
                       .passes = frame->passes,
                       .reconstructed = frame->reconstructed,
-                      .moves = frame->moves,
-                      .fades = frame->fades};
+                      .fades = frame->fades,
+                      .moves = frame->moves};
     memcpy(shown.card, frame->card, sizeof shown.card);
     return shown;
 }

@@ -97,6 +97,16 @@ static void print_depth(const json_t *depth, FILE *out)
               number(depth, "nearest"), number(depth, "farthest"), number(depth, "sharp_from"), to);
 }
 
+static void print_slideshow(const json_t *playlist, FILE *out)
+{
+    const char *file = text(playlist, "file"), *slash = strrchr(file, '/');
+    const char *state = is_true(playlist, "paused")    ? "paused"
+                        : is_true(playlist, "playing") ? "playing"
+                                                       : "stopped";
+    print_row(out, "slideshow", "entry %d of %d, %s, %s", integer(playlist, "index") + 1,
+              integer(playlist, "entries"), slash ? slash + 1 : file, state);
+}
+
 static void print_shown(const json_t *status, FILE *out)
 {
     const json_t *playlist = json_object_get(status, "playlist");
@@ -115,9 +125,7 @@ static void print_shown(const json_t *status, FILE *out)
         print_row(out, "scene", "none; quiltctl scene.load file=PATH shows one");
     }
     if (json_is_object(playlist))
-        print_row(out, "slideshow", "entry %d of %d, %s", integer(playlist, "index") + 1,
-                  integer(playlist, "entries"),
-                  is_true(playlist, "playing") ? "playing" : "stopped");
+        print_slideshow(playlist, out);
 }
 
 /* ---------------------------------------------------------------------------------- progress -- */
