@@ -217,9 +217,11 @@ lf_status lf_content_from_movie(const char *file, const lf_roots *roots, const l
             status = take_player(file, options, player, &lf_player_movie(player)->layout,
                                  out_content, err);
     }
-    if (status == LF_OK)
-        lf_player_set_once((*out_content)->player, plays_once);
-    return status;
+    if (status != LF_OK)
+        return status;
+    lf_player_set_once((*out_content)->player, plays_once);
+    (*out_content)->plays_once = plays_once;
+    return LF_OK;
 }
 
 void lf_content_write_document(lf_content *content)

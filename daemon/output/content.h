@@ -16,6 +16,7 @@ typedef struct lf_content {
     bool is_rgbd;                /* its views are drawn from pictures with depth */
     lf_rgbd rgbd;                /* of a video with depth … */
     double pixel_aspect;         /* … and width / height of its pixels */
+    bool plays_once;             /* a video holds its last frame at the end */
     lf_standing standing;        /* when scene is NULL: how it stands */
     char *file;                  /* absolute path of its source file; patches do not change it */
     json_t *sent;                /* the document that a client sent; NULL: it is in file, which is
