@@ -180,7 +180,7 @@ static void end(lf_bridge_call *call, json_t *reply)
     if (bridge->running == call)
         bridge->running = NULL;
     call->reply = reply;
-    if (call->left)
+    if (!call->done)
         free_call(call);
     else if (!call->beginning)
         call->done(call->context);
@@ -297,7 +297,7 @@ void lf_bridge_leave(lf_bridge_call *call)
     if (call && call->reply)
         free_call(call);
     else if (call)
-        call->left = true;
+        call->done = NULL;
 }
 
 /* ---------------------------------------------------------------------------------- its life -- */
