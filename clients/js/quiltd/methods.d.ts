@@ -49,6 +49,10 @@ export interface Calls {
       "passed"?: string[];
       /** true: a finished image is on display, not a rendering */
       "is_quilt"?: boolean;
+      /** true: its views were drawn from an image with depth; only with is_quilt */
+      "is_rgbd"?: boolean;
+      /** how the finished image stands, as the keys of scene.load; only with is_quilt */
+      "standing"?: { [key: string]: unknown };
       /** number of views [count] */
       "views"?: number;
       /** columns of the quilt [count] */
@@ -351,6 +355,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -359,9 +365,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -438,9 +444,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -614,6 +620,8 @@ export interface Calls {
         "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
         /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
         "aspect"?: number;
+        /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+        "views"?: number;
         /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
         "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
         /** on: near is black, far white, in the depth of an RGBD image */
@@ -622,9 +630,9 @@ export interface Calls {
         "chroma_depth"?: "off" | "on";
         /** factor of the depth of an RGBD image */
         "depthiness"?: number;
-        /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+        /** least depth code of an RGBD image; farther points come up to it */
         "depth_cutoff"?: number;
-        /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+        /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
         "focus"?: number;
         /** scale of a finished image about the middle of the view */
         "zoom"?: number;
@@ -669,6 +677,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -734,6 +744,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -802,6 +814,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -867,6 +881,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -935,6 +951,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -997,6 +1015,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -1005,9 +1025,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -1041,6 +1061,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1106,6 +1128,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1171,6 +1195,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1800,6 +1826,8 @@ export interface Notifications {
       "photo_rotate"?: string;
       /** as of scene.load [width over height] */
       "aspect"?: number;
+      /** as of scene.load [count] */
+      "views"?: number;
       /** as of scene.load */
       "rgbd_in"?: string;
       /** as of scene.load */
