@@ -311,10 +311,24 @@ static void on_note(void *context, const char *method, const json_t *params)
         lf_bridge_show_note(bridge, method, params);
 }
 
+/* Otherwise each call of the queue would wait for a quiltd that hangs. */
+static void fail_queue(lf_bridge *bridge)
+{
+    lf_bridge_call *queue = bridge->queue;
+    bridge->queue = NULL;
+    while (queue) {
+        lf_bridge_call *call = queue;
+        queue = call->next;
+        call->next = NULL;
+        lf_bridge_fail(call, "quiltd does not answer; the request was not begun");
+    }
+}
+
 static void on_ended(void *context)
 {
     lf_bridge *bridge = context;
-    bridge->knows_panel = false;
+    bridge->knows_panel = bridge->measures_panel = false;
+    fail_queue(bridge);
     lf_bridge_show_ended(bridge);
 }
 
