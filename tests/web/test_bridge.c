@@ -193,8 +193,7 @@ static void without_a_panel_nothing_is_played(void **state)
     assert_int_equal(lf_gateway_calls(g, "playlist.play"), 0);
 }
 
-/* ------------------------------------------------------------------------- never a false word --
- */
+/* ------------------------------------------------------------------------ never a false word -- */
 
 static void what_quiltd_refuses_fails_in_its_words(void **state)
 {
