@@ -113,6 +113,8 @@ static void on_ready(void *context)
 {
     peer *p = context;
     p->paused = false;
+    if (p->inside)
+        lf_patience_pace(p->patience, PACE_USEC);
     listen_for(p);
 }
 
@@ -174,6 +176,8 @@ static bool read_some(peer *p)
     for (size_t at = 0, used = 0; good && at < (size_t)n; at += used)
         good = take_some(p, data + at, (size_t)n - at, &used);
     p->paused = lf_driver_is_busy(p->client);
+    if (p->paused)
+        lf_patience_stop(p->patience); /* it waits for us */
     return good;
 }
 

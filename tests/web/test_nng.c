@@ -19,18 +19,23 @@ typedef struct home {
     lf_nng *nng;
 } home;
 
-static home begin(void)
+static home begin_before(const char *quiltd)
 {
     home h = {.folder = lf_test_folder()};
     lf_error err = {0};
     int fd = -1;
     const lf_driver_config config = {
-        .event = event, .socket = "/nowhere", .version = "2.6.3", .image_limit = LIMIT};
+        .event = event, .socket = quiltd, .version = "2.6.3", .image_limit = LIMIT};
     assert_true(snprintf(h.path, sizeof h.path, "%s/nng", h.folder) < (int)sizeof h.path);
     lf_assert_ok(lf_listen_at(h.path, "--nng=PATH", &h.listener, &fd, &err), &err);
     lf_assert_ok(lf_driver_create(&config, &h.driver, &err), &err);
     lf_assert_ok(lf_nng_create(event, fd, h.driver, &h.nng, &err), &err);
     return h;
+}
+
+static home begin(void)
+{
+    return begin_before("/nowhere");
 }
 
 static void end(home *h)
@@ -241,6 +246,34 @@ static void a_client_that_stands_still_is_dropped(void **state)
     end(&h);
 }
 
+/* Its next message stands still because a command of it runs: quiltd does not answer. */
+static void a_client_that_waits_for_us_stays(void **state)
+{
+    (void)state;
+    static const uint8_t head[] = {1, 0, 0, 0, 0, 0, 0x10, 0, 0, 0x80, 0, 0, 1};
+    char *folder = lf_test_folder(), path[108];
+    const int quiltd = listen_as_quiltd(folder, path);
+    home h = begin_before(path);
+    size_t n = 0;
+    uint8_t *next = frame((uint32_t)ID, "{\"wipe\": {}}", &n);
+    int fd = greet(&h);
+    put(fd, next, n);
+    put(fd, head, sizeof head);
+    lf_clock_pass(event, 59);
+    assert_true(is_open(fd));
+    lf_clock_pass(event, 1);
+    assert_int_equal(take_error(fd, (uint32_t)ID), LF_DRIVER_FAILED);
+    assert_true(is_open(fd));
+    put(fd, head, 4); /* of the next message */
+    lf_clock_pass(event, 20);
+    assert_false(is_open(fd));
+    free(next);
+    close(fd);
+    end(&h);
+    close(quiltd);
+    lf_test_folder_remove(folder);
+}
+
 static void clients_are_bounded(void **state)
 {
     (void)state;
@@ -369,6 +402,7 @@ int main(void)
         timed(a_client_that_does_not_read_stays_harmless),
         timed(other_protocols_are_dropped),
         timed(a_client_that_stands_still_is_dropped),
+        timed(a_client_that_waits_for_us_stays),
         timed(clients_are_bounded),
         timed(a_large_image_is_skipped),
         timed(the_socket_is_for_its_user_alone),
