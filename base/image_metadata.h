@@ -20,12 +20,27 @@ typedef struct lf_image_notes {
     char text[LF_IMAGE_NOTES];
 } lf_image_notes;
 
+/* The geometry of a picture with depth that quiltd wrote, from its attributes (quiltd.near, …).
+ * Zeroed: unknown; otherwise all members are positive. Lengths are in one unit. */
+typedef struct lf_image_depth {
+    double near, far; /* along the view axis, of the nearest and farthest code; far: or INFINITY */
+    double distance;  /* of the plane in which points stay in place from view to view */
+    double fov_y, aspect, cone; /* degrees; aspect: width / height of a view */
+    double views;               /* cameras of the whole line; a whole number */
+    double centred;             /* 1: cameras in the middle of equal parts of the cone; 2: at its
+                                 * ends */
+} lf_image_depth;
+enum { LF_IMAGE_DEPTH_NUMBERS = 8 };
+/* True if all numbers are as described. */
+bool lf_image_depth_is_valid(const lf_image_depth *depth);
+
 typedef struct lf_image_metadata {
     lf_image_layout layout;
     int orientation; /* EXIF orientation, 1..8; 0: none. Already applied by
                       * lf_image8_read_metadata */
     /* width / height of a pixel of the upright picture; 0: square */
     double pixel_aspect;
+    lf_image_depth depth;
     lf_image_notes notes;
 } lf_image_metadata;
 

@@ -9,6 +9,7 @@
 #include "base/image_colours.h"
 #include "base/image_png.h"
 #include "base/image_profile.h"
+#include "base/number.h"
 
 /* Bytes read of a chunk's data; the rest is skipped. */
 enum { HELD = 65536 };
@@ -22,6 +23,8 @@ typedef struct walk {
     bool has_cicp, has_icc, has_srgb, has_gamma, has_chromaticities, is_rec709;
     uint32_t gamma;
     uint8_t cicp[4];
+    bool has_track;
+    double target[3], position[3]; /* of the camera that quiltd writes; NaN: not given */
 } walk;
 
 static bool read_at(const lf_image_source *source, uint64_t at, void *to, size_t n)
@@ -96,6 +99,50 @@ static void note_calibration(walk *w)
     lf_image_note(w->notes, "ignored pCAL, the unit of the values");
 }
 
+static void read_point(const char *text, double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        text = *text == (i == 0 ? '[' : ',') ? lf_decimal_read(text + 1, ".", &out[i]) : NULL;
+        if (!text) {
+            out[i] = (double)NAN;
+            return;
+        }
+    }
+}
+
+static double distance_of(const walk *w)
+{
+    const double x = w->target[0] - w->position[0], y = w->target[1] - w->position[1],
+                 z = w->target[2] - w->position[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* Texts that quiltd writes into a picture with depth: its geometry. */
+static void take_text(walk *w)
+{
+    lf_image_depth *d = &w->source->meta->depth;
+    const struct {
+        const char *name;
+        double *to;
+    } numbers[] = {{"quiltd.near", &d->near},   {"quiltd.far", &d->far},
+                   {"quiltd.fov_y", &d->fov_y}, {"quiltd.aspect", &d->aspect},
+                   {"quiltd.cone", &d->cone},   {"quiltd.views", &d->views}};
+    char text[256] = "";
+    memcpy(text, w->data, w->n < sizeof text - 1 ? w->n : sizeof text - 1);
+    const size_t key = strlen(text);
+    const char *value = key < sizeof text - 1 ? text + key + 1 : "";
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (strcmp(text, numbers[i].name) == 0 && !lf_decimal_is(value, numbers[i].to))
+            *numbers[i].to = strcmp(value, "inf") == 0 ? (double)INFINITY : 0;
+    if (strcmp(text, "quiltd.target") == 0)
+        read_point(value, w->target);
+    if (strcmp(text, "quiltd.position") == 0)
+        read_point(value, w->position);
+    if (strcmp(text, "quiltd.placement") == 0)
+        d->centred = strcmp(value, "inclusive") == 0 ? 2 : 1;
+    w->has_track = w->has_track || strcmp(text, "quiltd.track") == 0;
+}
+
 static const struct {
     const char *name;
     void (*take)(walk *w);
@@ -103,7 +150,7 @@ static const struct {
     {"gAMA", take_gamma},       {"cHRM", take_chromaticities}, {"cICP", take_cicp},
     {"iCCP", take_icc},         {"sRGB", take_srgb},           {"eXIf", take_exif},
     {"pHYs", take_aspect},      {"acTL", note_animation},      {"sTER", note_stereo},
-    {"pCAL", note_calibration},
+    {"pCAL", note_calibration}, {"tEXt", take_text},
 };
 
 static void walk_chunks(walk *w)
@@ -150,10 +197,17 @@ void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t s
 {
     if (!source->meta)
         return;
-    walk w = {.source = source, .notes = &source->meta->notes, .data = lf_calloc(HELD, 1)};
+    walk w = {.source = source,
+              .notes = &source->meta->notes,
+              .data = lf_calloc(HELD, 1),
+              .target = {(double)NAN}};
     if (!w.data)
         return;
+    source->meta->depth = (lf_image_depth){0};
     walk_chunks(&w);
+    source->meta->depth.distance = distance_of(&w);
+    if (w.has_track || !lf_image_depth_is_valid(&source->meta->depth))
+        source->meta->depth = (lf_image_depth){0};
     note_colours(&w, profile, size);
     lf_free(w.data);
 }

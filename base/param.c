@@ -386,7 +386,9 @@ static lf_status take_parts(const lf_param *row, const char *text, void *object,
 lf_status lf_param_from_text(const lf_param *row, const char *text, void *object, lf_error *err)
 {
     lf_status status = LF_OK;
-    if (row->type == LF_PARAM_TEXT)
+    if (row->type == LF_PARAM_WORD && row->optional && !text)
+        put_number(row, row->low, object);
+    else if (row->type == LF_PARAM_TEXT)
         *text_place(row, object) = text;
     else
         status = row->type == LF_PARAM_SEED ? take_seed(row, text, object, err)

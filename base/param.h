@@ -71,7 +71,8 @@ typedef struct lf_param {
     bool watts;     /* for lights: W or W sr^-1 */
     bool or_object; /* WHOLE: an object, which other code reads, may replace it */
     bool exclusive; /* an error in an object of another kind (surfaces) */
-    /* TEXT: the argument is optional; without it the field is NULL and `has` is set */
+    /* TEXT: the argument is optional; without it the field is NULL and `has` is set. WORD: without
+     * it the value is the word with the index `low` */
     bool optional;
 } lf_param;
 

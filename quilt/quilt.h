@@ -252,6 +252,12 @@ LF_NODISCARD lf_status lf_quilt_read_photo(const char *path, const lf_roots *roo
                                            lf_error *err);
 LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
                                      lf_quilt_file *out, lf_error *err);
+/* How lf_quilt_read_photo would cut a picture of this size and pixel shape, which has no pixels
+ * yet: layout, notes and views8 without data, for views one below the other. *out_orientation: of
+ * lf_orient, by which each view is rotated. LF_E_ARG, LF_E_FORMAT. */
+LF_NODISCARD lf_status lf_quilt_plan(const char *path, int columns, int rows, const lf_raster *size,
+                                     const lf_photo *photo, lf_quilt_file *out,
+                                     int *out_orientation, lf_error *err);
 /* Tiles of a picture that is no file by name. */
 typedef struct lf_quilt_tiles {
     int columns, rows; /* 1..LF_MAX_TILES */

@@ -74,7 +74,7 @@ $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(pa
 wire_srcs := $(call wild,daemon/wire/*.c)
 
 # a gateway with a quiltd that does not exist
-gateway_srcs := tests/web/gateway.c tests/web/caller.c
+gateway_srcs := tests/web/gateway.c tests/web/false_slideshow.c tests/web/caller.c
 
 # a folder that cannot be read
 wrap_test_library_list := -Wl,--wrap=readdir
@@ -113,6 +113,7 @@ wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
 # a clock of the test's own
 wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
 wrap_test_playlist := $(wrap_test_play)
+wrap_test_playlist_media := $(wrap_test_play)
 wrap_test_engine_fade := -Wl,--wrap=lf_time_now
 
 # a display, an EEPROM and a udev of the test's own

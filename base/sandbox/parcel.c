@@ -38,6 +38,7 @@ static const size_t element_size[LF_PARCEL_TAGS] = {
     [LF_PARCEL_PARTS] = sizeof(uint32_t),
     [LF_PARCEL_PART_OF] = sizeof(uint32_t),
     [LF_PARCEL_ODD] = sizeof(double),
+    [LF_PARCEL_DEPTH] = sizeof(double),
 };
 
 size_t lf_parcel_element_size(lf_parcel_tag tag)

@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x386c637270746c71) /* "qltprcl8" */
+#define LF_PARCEL_MAGIC UINT64_C(0x396c637270746c71) /* "qltprcl9" */
 
 /* The content of a section, and the type of its elements. */
 typedef enum lf_parcel_tag {
@@ -48,6 +48,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_PARTS, /* uint32_t: first triangle, triangles, first vertex, vertices of each part */
     LF_PARCEL_PART_OF, /* uint32_t: the part of each instance */
     LF_PARCEL_ODD,     /* double: four, lf_grid_odd (render/scene/grid.h); absent: none */
+    LF_PARCEL_DEPTH,   /* double: lf_image_depth; absent: unknown */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 

@@ -10,6 +10,8 @@ static lf_status put_metadata(lf_parcel_writer *parcel, int width, int height,
 {
     const int64_t shape[] = {width, height, meta->layout, llround(meta->pixel_aspect * 1e6)};
     lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 4, err);
+    if (status == LF_OK && lf_image_depth_is_valid(&meta->depth))
+        status = lf_parcel_put(parcel, LF_PARCEL_DEPTH, &meta->depth, LF_IMAGE_DEPTH_NUMBERS, err);
     return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_WARNINGS, meta->notes.text,
                                            meta->notes.length, err)
                            : status;

@@ -1,5 +1,6 @@
 #include "base/sandbox/raster.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,6 +17,19 @@ static lf_status check_floats(const lf_raster *picture, lf_error *err)
             return lf_error_set(err, LF_E_FORMAT, "",
                                 "the reader's answer has a pixel that is not a finite number");
     return LF_OK;
+}
+
+static void take_depth(lf_raster *out)
+{
+    size_t n;
+    const double *numbers = lf_parcel_get(&out->parcel, LF_PARCEL_DEPTH, &n);
+    lf_image_depth depth;
+    static_assert(sizeof depth == LF_IMAGE_DEPTH_NUMBERS * sizeof *numbers, "only numbers");
+    if (n != LF_IMAGE_DEPTH_NUMBERS)
+        return;
+    memcpy(&depth, numbers, sizeof depth);
+    if (lf_image_depth_is_valid(&depth))
+        out->meta.depth = depth;
 }
 
 /* Takes the pixels of *out's parcel, which is untrusted. */
@@ -35,6 +49,7 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
         out->meta.layout = LF_IMAGE_CUBE;
     if (n == 4 && shape[3] >= 10000 && shape[3] <= 100000000)
         out->meta.pixel_aspect = (double)shape[3] / 1e6;
+    take_depth(out);
     const char *notes = lf_parcel_get(&out->parcel, LF_PARCEL_WARNINGS, &n_notes);
     lf_image_note_lines(&out->meta.notes, notes, n_notes);
     return out->data32 ? check_floats(out, err) : LF_OK;

@@ -120,9 +120,11 @@ static lf_status turn_pages(const lf_roots *roots, lf_load *load)
     return status;
 }
 
-/* Loads a picture; named: its name holds the tiles. */
-static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf_content **out)
+/* Loads a picture or a video; named: its name holds the tiles. */
+static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, bool moves,
+                            lf_content **out)
 {
+    const lf_calibration *calibration = load->has_calibration ? &load->calibration : NULL;
     lf_options options = load->options;
     if (load->words.columns > 0) {
         options.columns = load->words.columns;
@@ -131,8 +133,9 @@ static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf
         options.columns = options.rows = 0;
     }
     lf_status status =
-        lf_content_from_quilt(load->file, roots, &options,
-                              load->has_calibration ? &load->calibration : NULL, out, &load->err);
+        moves ? lf_content_from_movie(load->file, roots, &options, load->words.plays_once,
+                                      calibration, out, &load->err)
+              : lf_content_from_quilt(load->file, roots, &options, calibration, out, &load->err);
     /* a caller of a method has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,
@@ -154,8 +157,10 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     /* For a file named like a quilt, report that it is not a picture, rather than that it is not
      * JSON. */
     bool meant = named && dot && strcmp(dot, ".json") != 0;
+    if (lf_movie_ending(load->file) || lf_is_movie(load->file, roots))
+        return load_quilt(roots, load, named, true, out);
     if (meant || lf_is_quilt(load->file, roots))
-        return load_quilt(roots, load, named, out);
+        return load_quilt(roots, load, named, false, out);
     if (load->words.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,
                             "is not an image; quilt=COLUMNSxROWS applies only to images");

@@ -41,8 +41,10 @@ typedef struct lf_load_words {
     bool said;         /* the other members are valid */
     int columns, rows; /* tiles of a quilt picture, overriding its name; 0 = not given */
     lf_photo photo;
+    lf_standing standing;
     lf_alone alone;
     lf_sent_quilt quilt; /* the quilt that the client sent with the call */
+    bool plays_once;     /* a video holds its last frame at the end instead of looping */
 } lf_load_words;
 
 /* What a client sent with its call. */

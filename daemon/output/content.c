@@ -7,7 +7,9 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/sandbox/import_group.h"
+#include "daemon/output/rgbd_views.h"
 
 static lf_content *content_create(const char *file)
 {
@@ -54,9 +56,10 @@ static lf_photo photo_of(const lf_options *options, const lf_calibration *calibr
     return photo;
 }
 
-/* Takes over the views, also on failure. */
-static lf_status take_quilt(const char *file, const lf_photo *photo, lf_quilt_file *quilt,
-                            lf_content **out_content, lf_error *err)
+/* Takes over the views, also on failure. is_rgbd: they stand as they are to. */
+static lf_status take_quilt(const char *file, const lf_photo *photo, const lf_options *options,
+                            bool is_rgbd, lf_quilt_file *quilt, lf_content **out_content,
+                            lf_error *err)
 {
     lf_content *content = content_create(file);
     if (!content) {
@@ -64,11 +67,37 @@ static lf_status take_quilt(const char *file, const lf_photo *photo, lf_quilt_fi
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
     }
     content->quilt = *quilt;
-    lf_photo_cut(photo, &content->quilt);
+    content->standing = options->standing;
+    content->is_rgbd = is_rgbd;
+    lf_status status = LF_OK;
+    if (!is_rgbd) {
+        lf_photo_cut(photo, &content->quilt);
+        status = lf_quilt_stand(&options->standing, file, &content->quilt, NULL, err);
+    }
+    if (status != LF_OK) {
+        lf_content_unref(content);
+        return status;
+    }
     lf_log_notes(&content->quilt.notes, file);
     content->layout = content->quilt.layout;
     *out_content = content;
     return LF_OK;
+}
+
+/* Draws a picture with depth, which is closed. */
+static lf_status take_rgbd(const char *name, const lf_options *options,
+                           const lf_calibration *calibration, lf_rgbd_file *file,
+                           lf_content **out_content, lf_error *err)
+{
+    lf_layout layout;
+    lf_quilt_file quilt = {0};
+    lf_status status = lf_rgbd_layout(options, file->aspect, calibration, &layout, err);
+    if (status == LF_OK)
+        status = lf_rgbd_draw(file, name, options, &layout, &quilt, err);
+    lf_rgbd_file_close(file);
+    return status == LF_OK
+               ? take_quilt(name, &options->photo, options, true, &quilt, out_content, err)
+               : status;
 }
 
 lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const lf_options *options,
@@ -76,12 +105,21 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
                                 lf_error *err)
 {
     const lf_photo photo = photo_of(options, calibration);
+    const lf_rgbd_in side = lf_rgbd_side_of(&options->standing, file);
     lf_quilt_file quilt = {0};
+    lf_rgbd_file rgbd;
+    if (side != LF_RGBD_IN_OFF) {
+        lf_status status =
+            lf_rgbd_file_open(file, roots, &options->standing, side, &photo, &rgbd, err);
+        return status == LF_OK ? take_rgbd(file, options, calibration, &rgbd, out_content, err)
+                               : status;
+    }
     lf_import_group group, *before = lf_import_group_begin(&group); /* for a folder's pictures */
     lf_status status =
         lf_quilt_read_photo(file, roots, options->columns, options->rows, &photo, &quilt, err);
     (void)lf_import_group_enter(before);
-    return status == LF_OK ? take_quilt(file, &photo, &quilt, out_content, err) : status;
+    return status == LF_OK ? take_quilt(file, &photo, options, false, &quilt, out_content, err)
+                           : status;
 }
 
 lf_status lf_content_from_sent_quilt(const char *name, const lf_sent_quilt *sent, lf_passed *passed,
@@ -90,8 +128,44 @@ lf_status lf_content_from_sent_quilt(const char *name, const lf_sent_quilt *sent
 {
     const lf_photo photo = photo_of(options, calibration);
     lf_quilt_file quilt = {0};
-    lf_status status = lf_sent_quilt_read(sent, passed, name, &photo, &quilt, err);
-    return status == LF_OK ? take_quilt(name, &photo, &quilt, out_content, err) : status;
+    lf_sent_rgbd rgbd = {.standing = &options->standing,
+                         .side = lf_rgbd_side_of(&options->standing, name)};
+    lf_status status;
+    if (rgbd.side == LF_RGBD_IN_OFF) {
+        status = lf_sent_quilt_read(sent, passed, name, &photo, &quilt, err);
+        return status == LF_OK ? take_quilt(name, &photo, options, false, &quilt, out_content, err)
+                               : status;
+    }
+    status = lf_sent_rgbd_open(sent, passed, name, &photo, &rgbd, err);
+    if (status == LF_OK)
+        status = take_rgbd(name, options, calibration, &rgbd.file, out_content, err);
+    lf_sent_rgbd_close(&rgbd);
+    return status;
+}
+
+lf_status lf_content_from_movie(const char *file, const lf_roots *roots, const lf_options *options,
+                                bool plays_once, const lf_calibration *calibration,
+                                lf_content **out_content, lf_error *err)
+{
+    const lf_photo photo = photo_of(options, calibration);
+    lf_player *player;
+    lf_status status = lf_player_create(file, roots, options->columns, options->rows, &photo,
+                                        lf_import_is_stopped, &player, err);
+    if (status != LF_OK)
+        return status;
+    lf_content *content = content_create(file);
+    if (!content) {
+        lf_player_destroy(player);
+        return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
+    }
+    const lf_movie *movie = lf_player_movie(player);
+    lf_player_set_once(player, plays_once);
+    content->player = player;
+    content->quilt.layout = content->layout = movie->layout;
+    content->quilt.notes = movie->notes;
+    lf_log_notes(&content->quilt.notes, file);
+    *out_content = content;
+    return LF_OK;
 }
 
 void lf_content_write_document(lf_content *content)
@@ -199,6 +273,7 @@ void lf_content_unref(lf_content *content)
         lf_scene_unref(content->scene);
     else
         lf_quilt_finish(&content->quilt);
+    lf_player_destroy(content->player);
     lf_passed_unref(content->passed);
     json_decref(content->sent);
     lf_free(content->file);

@@ -16,6 +16,7 @@
 #include "base/parse.h"
 #include "base/version.h"
 #include "quilt/quilt.h"
+#include "quilt/rgbd.h"
 #include "render/render.h"
 
 /* Exit codes of every program. */
@@ -76,6 +77,7 @@ typedef struct lf_options {
     const char *calibration; /* a file */
     double import_memory;    /* GiB; 0 = half of the machine's */
     lf_photo photo;          /* for finished pictures: lf_photo_params */
+    lf_standing standing;    /* for finished pictures: lf_standing_params */
     lf_alone alone;          /* for files without a scene: lf_alone_params */
 } lf_options;
 
@@ -153,7 +155,8 @@ typedef struct lf_options_rules {
  * operand; operands may be anywhere.
  *
  * The word after an option with an optional argument is its argument. Exceptions are words that
- * begin with -, contain a dot or a slash, or name a file; they need --OPTION=WORD.
+ * begin with -, contain a dot or a slash, or name a file; they need --OPTION=WORD. If the option has
+ * words, one of them is always its argument, and the name of a folder is not.
  *
  * True in *out_done: help, version or completion was requested and has been printed, and the rest
  * was not read. Completion must be the only option. LF_E_ARG: an unknown or ambiguous option, a

@@ -136,13 +136,25 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     return unknown(table, where, err);
 }
 
+static bool is_word_of(const lf_param *row, const char *word)
+{
+    for (int i = 0; row->words && row->words[i]; i++)
+        if (strcmp(row->words[i], word) == 0)
+            return true;
+    return false;
+}
+
 /* True if the word after an option is its optional argument; a word that looks like a file is an
- * operand. */
-static bool is_argument(const char *word)
+ * operand. One of the option's words never is; a folder's name is, too, if it has words. */
+static bool is_argument(const lf_param *row, const char *word)
 {
     struct stat file;
-    return word && word[0] != '-' && word[0] != '\0' && !strpbrk(word, "./") &&
-           !(stat(word, &file) == 0 && S_ISREG(file.st_mode));
+    if (!word || word[0] == '-' || word[0] == '\0')
+        return false;
+    if (is_word_of(row, word))
+        return true;
+    return !strpbrk(word, "./") &&
+           !(stat(word, &file) == 0 && (S_ISREG(file.st_mode) || row->words));
 }
 
 static lf_status take_row(const lf_options_rules *rules, char *const argv[], int code,
@@ -151,7 +163,7 @@ static lf_status take_row(const lf_options_rules *rules, char *const argv[], int
     const lf_options_part *part = &rules->parts[code / PART_SIZE];
     const lf_param *row = &part->params[code % PART_SIZE];
     const char *text = optarg;
-    if (row->optional && !text && is_argument(argv[optind])) /* argv ends with NULL */
+    if (row->optional && !text && is_argument(row, argv[optind])) /* argv ends with NULL */
         text = argv[optind++];
     if (row->former)
         log_former(row->option, row->former);

@@ -33,7 +33,7 @@ const lf_param lf_rgbd_params[] = {
      .about = "rgbd: the middle view, or all views as a quilt next to a quilt of depth"},
     {.name = "depth_inversion", .option = "depth-inversion", .argument = "off|on",
      PLACE(near_is_black), .type = LF_PARAM_WORD, .words = inversions,
-     .help = "on: near is black, far white, in the depth of --rgbd",
+     .help = "on: near is black, far white, in the depth of --rgbd or of an RGBD image",
      .about = "rgbd: on: near is black and far is white in the depth"},
     {.name = "near_is", .option = "near-is", .former = "depth-inversion", .argument = "COLOUR",
      PLACE(near_is_black), .type = LF_PARAM_WORD, .words = near_ends,

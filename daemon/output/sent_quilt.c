@@ -23,9 +23,9 @@ lf_status lf_sent_quilt_add(const lf_sent_quilt *quilt, lf_passed *passed, int f
                             : lf_passed_add(passed, PICTURE, fd, err);
 }
 
-/* The file is sealed, so it is mapped. */
-static lf_status read_raw(const lf_sent_quilt *quilt, lf_passed *passed, const char *name,
-                          const lf_photo *photo, lf_quilt_file *out, lf_error *err)
+/* Maps raw pixels; their file is sealed. */
+static lf_status map_raw(const lf_sent_quilt *quilt, lf_passed *passed, const char *name,
+                         void **out, size_t *out_bytes, lf_error *err)
 {
     lf_array shape = shape_of(quilt);
     const size_t bytes = (size_t)lf_array_bytes(&shape);
@@ -39,6 +39,19 @@ static lf_status read_raw(const lf_sent_quilt *quilt, lf_passed *passed, const c
     if (pixels == MAP_FAILED)
         return lf_error_set(err, why == ENOMEM ? LF_E_NOMEM : LF_E_IO, name, "cannot be mapped: %s",
                             lf_errno_text(why));
+    *out = pixels;
+    *out_bytes = bytes;
+    return LF_OK;
+}
+
+static lf_status read_raw(const lf_sent_quilt *quilt, lf_passed *passed, const char *name,
+                          const lf_photo *photo, lf_quilt_file *out, lf_error *err)
+{
+    void *pixels;
+    size_t bytes;
+    lf_status status = map_raw(quilt, passed, name, &pixels, &bytes, err);
+    if (status != LF_OK)
+        return status;
     const lf_raster picture = {.width = quilt->width, .height = quilt->height, .data8 = pixels};
     status = lf_quilt_cut(&picture, name, &quilt->tiles, photo, out, err);
     munmap(pixels, bytes);
@@ -71,20 +84,24 @@ static lf_status check_picture(const lf_raster *p, const char *name, lf_error *e
                               (unsigned long long)(bytes >> 20), (int)(LF_SENT_QUILT_BYTES >> 20));
 }
 
-static lf_status read_picture(const lf_sent_quilt *quilt, lf_passed *passed, const char *name,
-                              const lf_photo *photo, lf_quilt_file *out, lf_error *err)
+static lf_status decode(lf_passed *passed, const char *name, lf_raster *out, lf_error *err)
 {
-    lf_raster picture = {0};
     int fd = -1;
     lf_status status = lf_passed_open(passed, PICTURE, &fd, err);
     if (status != LF_OK)
         return status;
     status = check_file(fd, name, err);
     if (status == LF_OK)
-        status = lf_raster_import(fd, name, false, &picture, err);
+        status = lf_raster_import(fd, name, false, out, err);
     close(fd);
-    if (status == LF_OK)
-        status = check_picture(&picture, name, err);
+    return status == LF_OK ? check_picture(out, name, err) : status;
+}
+
+static lf_status read_picture(const lf_sent_quilt *quilt, lf_passed *passed, const char *name,
+                              const lf_photo *photo, lf_quilt_file *out, lf_error *err)
+{
+    lf_raster picture = {0};
+    lf_status status = decode(passed, name, &picture, err);
     if (status == LF_OK)
         status = lf_quilt_cut(&picture, name, &quilt->tiles, photo, out, err);
     lf_raster_close(&picture);
@@ -96,4 +113,31 @@ lf_status lf_sent_quilt_read(const lf_sent_quilt *quilt, lf_passed *passed, cons
 {
     return quilt->width > 0 ? read_raw(quilt, passed, name, photo, out, err)
                             : read_picture(quilt, passed, name, photo, out, err);
+}
+
+lf_status lf_sent_rgbd_open(const lf_sent_quilt *quilt, lf_passed *passed, const char *name,
+                            const lf_photo *photo, lf_sent_rgbd *rgbd, lf_error *err)
+{
+    lf_status status;
+    if (quilt->width > 0) {
+        status = map_raw(quilt, passed, name, &rgbd->pixels, &rgbd->bytes, err);
+        rgbd->raster =
+            (lf_raster){.width = quilt->width, .height = quilt->height, .data8 = rgbd->pixels};
+    } else {
+        status = decode(passed, name, &rgbd->raster, err);
+    }
+    if (status != LF_OK)
+        return status;
+    return lf_rgbd_file_take(&rgbd->raster, name, rgbd->standing, rgbd->side, photo, &rgbd->file,
+                             err);
+}
+
+void lf_sent_rgbd_close(lf_sent_rgbd *rgbd)
+{
+    lf_rgbd_file_close(&rgbd->file);
+    if (rgbd->pixels)
+        munmap(rgbd->pixels, rgbd->bytes);
+    else
+        lf_raster_close(&rgbd->raster);
+    rgbd->pixels = NULL;
 }

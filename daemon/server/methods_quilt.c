@@ -10,7 +10,7 @@ static lf_status refuse(const lf_call *call, const char *pointer, const char *wh
 }
 
 /* The tiles, and the size of raw pixels. */
-static lf_status take_shape(const lf_call *call, lf_sent_quilt *out, lf_error *err)
+static lf_status take_shape(const lf_call *call, bool is_rgbd, lf_sent_quilt *out, lf_error *err)
 {
     const json_t *params = call->params;
     const int columns = lf_param_integer(params, "columns", 0),
@@ -19,13 +19,23 @@ static lf_status take_shape(const lf_call *call, lf_sent_quilt *out, lf_error *e
               width = lf_param_integer(params, "width", 0),
               height = lf_param_integer(params, "height", 0);
     *out = (lf_sent_quilt){true, {columns, rows, views ? views : columns * rows}, width, height};
+    if (is_rgbd && (columns || rows || views))
+        return refuse(call,
+                      columns ? "/columns"
+                      : rows  ? "/rows"
+                              : "/views",
+                      "an image with depth has no tiles; omit columns, rows and views", err);
+    if (!is_rgbd && (!columns || !rows))
+        return refuse(call, columns ? "/rows" : "/columns",
+                      "required parameter is missing, except with rgbd_in", err);
     if (views > columns * rows)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/views",
                                "%d views do not fit into %dx%d tiles", views, columns, rows);
     if (!width != !height)
         return refuse(call, width ? "/width" : "/height",
                       "raw pixels need both width and height; an image file needs neither", err);
-    return width ? lf_quilt_tiles_check(&out->tiles, width, height, call->method, err) : LF_OK;
+    return width && !is_rgbd ? lf_quilt_tiles_check(&out->tiles, width, height, call->method, err)
+                             : LF_OK;
 }
 
 /* Takes the one descriptor of the call. */
@@ -54,9 +64,16 @@ static lf_status take_quilt(const lf_call *call, lf_load *load, lf_error *err)
     load->words.alone = call->server->config.options.alone;
     load->words.photo = call->server->options.photo;
     load->words.photo.aspect = json_number_value(aspect); /* 0: that of a tile */
-    lf_status status = take_shape(call, &load->words.quilt, err);
+    load->words.standing = call->server->config.options.standing;
+    load->words.standing.rgbd_in = LF_RGBD_IN_AUTO;
+    lf_status status = lf_param_from_json(lf_standing_params, call->params, &load->words.standing,
+                                          call->method, err);
     if (status == LF_OK)
         status = lf_method_name(call, "quilt", &load->file, err);
+    if (status == LF_OK)
+        status =
+            take_shape(call, lf_rgbd_side_of(&load->words.standing, load->file) != LF_RGBD_IN_OFF,
+                       &load->words.quilt, err);
     return status == LF_OK ? take_descriptor(call, load, err) : status;
 }
 

@@ -265,6 +265,14 @@ static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
     return status;
 }
 
+/* How a finished picture stands; missing keys are taken from the command line. */
+static lf_status take_standing(const lf_call *call, lf_load *load, lf_error *err)
+{
+    load->words.standing = call->server->config.options.standing;
+    return lf_param_from_json(lf_standing_params, call->params, &load->words.standing, "scene.load",
+                              err);
+}
+
 /* Options for a file without a scene; missing ones are taken from the command line. */
 static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
 {
@@ -275,18 +283,19 @@ static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
 /* A scene defines its own look, so these options are errors. */
 static lf_status refuse_words(const lf_call *call, const lf_load *load, lf_error *err)
 {
-    static const char *const words[] = {"yaw",   "pitch",          "up",           "bare",
-                                        "photo", "photo_position", "photo_rotate", "aspect"};
+    static const lf_param *const tables[] = {lf_alone_params, lf_photo_params, lf_picture_params,
+                                             lf_standing_params};
     char pointer[32];
     const bool is_scene = lf_load_is_sent(load) || lf_path_has_ending(load->file, ".json");
-    for (size_t i = 0; is_scene && i < sizeof words / sizeof *words; i++) {
-        if (!json_object_get(call->params, words[i]))
-            continue;
-        snprintf(pointer, sizeof pointer, "/%s", words[i]);
-        return lf_error_set_at(
-            err, LF_E_ARG, call->method, 0, pointer,
-            "applies only to files without a scene; set it in the scene file instead");
-    }
+    for (size_t i = 0; is_scene && i < sizeof tables / sizeof *tables; i++)
+        for (const lf_param *row = tables[i]; row->name || row->option; row++) {
+            if (!row->name || !json_object_get(call->params, row->name))
+                continue;
+            snprintf(pointer, sizeof pointer, "/%s", row->name);
+            return lf_error_set_at(
+                err, LF_E_ARG, call->method, 0, pointer,
+                "applies only to files without a scene; set it in the scene file instead");
+        }
     return LF_OK;
 }
 
@@ -298,6 +307,8 @@ static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
         status = take_passed(call, load, err);
     if (status == LF_OK)
         status = take_photo(call, load, err);
+    if (status == LF_OK)
+        status = take_standing(call, load, err);
     if (status == LF_OK)
         status = take_alone(call, load, err);
     if (status == LF_OK)

@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/sandbox/import.h"
 #include "base/thread.h"
+#include "daemon/tools/batch.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering_plan.h"
 #include "render/papers/papers.h"
@@ -84,6 +85,8 @@ static int run(const lf_render_arguments *a)
                       .pause = &paused,
                       .state.interval = LF_STATE_INTERVAL};
     lf_error err = {0};
+    if (a->batch)
+        return lf_batch_run(&r);
     lf_import_watch(lf_progress_line_reading, &r.line);
     lf_status status = lf_rendering_open(&r, &err);
     lf_import_watch(NULL, NULL);

@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/alloc.h"
 #include "daemon/output/hld.h"
@@ -35,6 +36,9 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
                                               " exposure panel png still quality target-error "
                                               "target-denoised-error target-shown-error aov"
                                               " fit guides";
+/* depth-inversion is an option of --rgbd, too, which has it in its table. */
+static const char standing[] =
+    "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
@@ -63,6 +67,7 @@ static void print_help(void)
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
+    lf_param_print_help(lf_standing_params, standing);
     printf("\n"
            "How long to render (one of these; default --passes %d, or --spp %d without "
            "denoising):\n"
@@ -159,9 +164,13 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->print_option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
-    if ((params == lf_photo_params || params == lf_picture_params) && !a->photo_option)
+    if ((params == lf_photo_params || params == lf_picture_params ||
+         params == lf_standing_params) &&
+        !a->photo_option)
         a->photo_option = row->option;
-    if (params == lf_rgbd_params && !kind && !a->rgbd_option)
+    const bool is_inversion = strcmp(row->option, "depth-inversion") == 0;
+    a->has_inversion |= is_inversion;
+    if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
         take_video_option(a, row->option);
@@ -180,6 +189,7 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         : o->columns > 0    ? "--quilt"
                         : o->view_width > 0 ? "--view-size"
                         : o->has_exposure   ? "--exposure"
+                        : a->has_inversion  ? "--depth-inversion"
                                             : NULL;
     const char *option = a->panel_option   ? a->panel_option
                          : a->photo_option ? a->photo_option
@@ -397,6 +407,25 @@ static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
                : LF_OK;
 }
 
+/* A folder of pictures with depth is a batch if OUT is a folder, too. */
+static void take_batch(lf_render_arguments *a)
+{
+    struct stat folder;
+    const lf_rgbd_in side = a->options.standing.rgbd_in;
+    if (!a->scene || side == LF_RGBD_IN_AUTO || side == LF_RGBD_IN_OFF ||
+        stat(a->scene, &folder) != 0 || !S_ISDIR(folder.st_mode))
+        return;
+    const bool is_folder = lf_output_fits(&lf_output_views, a->out),
+               is_jpeg = a->options.file.quality > 0 && (!a->asked || !a->asked->needs_panel);
+    if (!is_folder)
+        return;
+    a->batch = a->out;
+    a->out = a->asked && a->asked->check_print            ? "batch.tif"
+             : a->asked == &lf_output_wiggle              ? "batch.gif"
+             : is_jpeg && !(a->asked && a->asked->layers) ? "batch.jpg"
+                                                          : "batch.png";
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
@@ -412,6 +441,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     a->scene = optind < argc ? argv[optind] : NULL;
     if (!a->out || a->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
+    a->options.standing.depth_inversion = a->rgbd.near_is_black;
+    take_batch(a);
     a->budget.target_error = a->options.target_error;
     a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
@@ -448,6 +479,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},
+                                     {lf_standing_params, standing, &a->options.standing},
                                      {lf_frames_params, NULL, &a->frames},
                                      {lf_video_params, NULL, &a->video},
                                      {0}};
@@ -462,6 +494,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
     *a = (lf_render_arguments){.argv = argv};
     lf_param_defaults(lf_print_params, &a->print);
     lf_param_defaults(lf_video_params, &a->video);
+    lf_param_defaults(lf_standing_params, &a->options.standing);
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     return status != LF_OK || *out_done ? status : check_arguments(a, argc, argv, err);
 }

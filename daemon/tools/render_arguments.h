@@ -38,6 +38,10 @@ typedef struct lf_render_arguments {
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */
     const char *rgbd_option;  /* the first option that needs --rgbd */
+    bool has_inversion; /* --depth-inversion was given; of --rgbd and of pictures with depth */
+    /* The folder that gets one output for each picture with depth in the folder `scene` (batch.h);
+     * `out` is then a name for checks. NULL: one output */
+    const char *batch;
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
     lf_video_options video;

@@ -66,6 +66,11 @@ typedef struct lf_rendering {
 /* Reads the input and determines the final name. LF_E_ARG: the arguments contradict the input;
  * errors of files. */
 LF_NODISCARD lf_status lf_rendering_open(lf_rendering *r, lf_error *err);
+/* lf_rendering_open for a picture with depth at this side: r->quilt gets its views, r->layout their
+ * layout. LF_E_ARG; errors of lf_rgbd_file_open. */
+LF_NODISCARD lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err);
+/* Sets r->print, with its number of views: of at most n_views_most. LF_E_ARG. */
+LF_NODISCARD lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *err);
 /* The options of the video. Without --fps, a loop gets a speed by its number of views, and frames
  * of a scene get the fps of the scene. */
 lf_video_options lf_rendering_video_options(const lf_rendering *r);

@@ -39,7 +39,7 @@ static lf_status check_folder_of(const char *path, lf_error *err)
     return status;
 }
 
-static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
+lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *err)
 {
     const char *warning = NULL;
     r->print = r->arguments->print;
@@ -74,26 +74,34 @@ static void lay_out_quilt(lf_rendering *r)
         r->layout.aspect = aspect;
 }
 
+/* Refuses an option for scenes. */
+static lf_status refuse_quilt(const lf_render_arguments *a, lf_error *err)
+{
+    char where[64];
+    if (a->kind->layers)
+        return lf_error_set(err, LF_E_ARG, a->scene,
+                            "is a finished image without depth; --rgbd needs a scene");
+    snprintf(where, sizeof where, "--%s", a->render_option);
+    return lf_error_set(err, LF_E_ARG, where,
+                        "cannot be combined with a finished quilt, which is not rendered");
+}
+
 static lf_status open_quilt(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_options *o = &a->options;
+    const lf_rgbd_in side = lf_rgbd_side_of(&o->standing, a->scene);
     if (r->sequence.on)
         return lf_error_set(err, LF_E_ARG, lf_frames_option(&a->frames),
                             "cannot be combined with a finished quilt, which has no animation");
+    if (a->render_option || a->kind->layers)
+        return refuse_quilt(a, err);
+    if (side != LF_RGBD_IN_OFF)
+        return lf_rendering_open_rgbd(r, side, err);
     if (o->preset || o->view_width > 0)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
             "cannot be combined with a finished quilt; its name or --quilt gives the layout");
-    if (a->kind->layers)
-        return lf_error_set(err, LF_E_ARG, a->scene,
-                            "is a finished image without depth; --rgbd needs a scene");
-    if (a->render_option) {
-        char where[64];
-        snprintf(where, sizeof where, "--%s", a->render_option);
-        return lf_error_set(err, LF_E_ARG, where,
-                            "cannot be combined with a finished quilt, which is not rendered");
-    }
     const bool is_still = a->kind == &lf_output_still ||
                           (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
                of_middle = is_still || a->kind == &lf_output_wiggle;
@@ -109,10 +117,13 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return status;
     if (a->kind->needs_panel)
         lf_photo_cut(&photo, &r->quilt);
+    status = lf_quilt_stand(&o->standing, a->scene, &r->quilt, NULL, err);
+    if (status != LF_OK)
+        return status;
     lf_log_notes(&r->quilt.notes, a->scene);
     r->is_quilt = true;
     if (a->kind->check_print)
-        status = prepare_print(r, r->quilt.layout.n_views, err);
+        status = lf_rendering_open_print(r, r->quilt.layout.n_views, err);
     else if (o->views > r->quilt.layout.n_views)
         status = lf_error_set(err, LF_E_ARG, "--views", "asks for %d views, but the quilt has %d",
                               o->views, r->quilt.layout.n_views);
@@ -217,7 +228,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
-        status = prepare_print(r, LF_MAX_VIEWS, err);
+        status = lf_rendering_open_print(r, LF_MAX_VIEWS, err);
         if (status == LF_OK)
             lf_output_print_view(&r->print, &r->settings);
         if (status == LF_OK && is_alone(r))
@@ -283,6 +294,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
             err, LF_E_ARG, where,
             "applies only to finished images; a scene is rendered in the shape that you ask for");
     }
+    if (a->has_inversion && !a->kind->layers)
+        return lf_error_set(err, LF_E_ARG, "--depth-inversion",
+                            "needs --rgbd, or an image with depth (--rgbd-in)");
     if (a->kind->check_print &&
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print",

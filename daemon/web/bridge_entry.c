@@ -59,12 +59,13 @@ static bool decode(char *text)
 {
     char *to = text;
     for (const char *at = text; *at; to++) {
-        const int high = *at == '%' ? digit(at[1]) : 0;
-        const int low = *at == '%' && high >= 0 ? digit(at[2]) : 0;
-        if (high < 0 || low < 0 || (*at == '%' && high + low == 0))
+        const bool coded = *at == '%';
+        const int high = coded ? digit(at[1]) : 0;
+        const int low = coded && high >= 0 ? digit(at[2]) : 0;
+        if (high < 0 || low < 0 || (coded && high + low == 0))
             return false;
-        *to = *at == '%' ? (char)(high * 16 + low) : *at;
-        at += *at == '%' ? 3 : 1;
+        *to = coded ? (char)(high * 16 + low) : *at;
+        at += coded ? 3 : 1;
     }
     *to = '\0';
     return true;

@@ -17,6 +17,7 @@ const KIND_WORDS = {
   volume: "volume",
   environment: "light",
   quilt: "quilt",
+  video: "video",
   image: "photo",
 };
 

@@ -1,0 +1,307 @@
+/* Draws the views of pictures with depth: rows of the view on the pool, all views of a row by the
+ * same worker. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "quilt/photo.h"
+#include "quilt/rgbd_row.h"
+
+/* Margins of a working row: at most this many widths of a view on each side. */
+#define MOST_MARGIN 4
+
+struct lf_rgbd_warp {
+    lf_rgbd rgbd;
+    lf_layout layout;
+    int width, height;                           /* of a picture with both halves */
+    int half_width, half_height;                 /* of one half */
+    size_t colour_x, colour_y, depth_x, depth_y; /* where the halves begin */
+    int x0, x1, y0, y1;           /* the picture on the view, in pixels; may be beyond it */
+    int left, right, top, bottom; /* what of it the view shows: empty if left >= right */
+    int first, n;                 /* the working row: columns first … first + n - 1 */
+    int *column;                  /* [n] sample of `columns` */
+    lf_axis_filter columns, rows;
+    bool enlarged;
+    lf_rgbd_move *move; /* [n_views] */
+    lf_rgbd_light *light;
+    int n_workers;
+    lf_rgbd_row *row; /* [n_workers] */
+};
+
+/* ----------------------------------------------------------------------------------- layout -- */
+
+/* The place of n in [low, high) after mirroring at both ends. */
+static int mirrored(int n, int low, int high)
+{
+    const int length = high - low, period = 2 * length;
+    const int t = ((n - low) % period + period) % period;
+    return low + (t < length ? t : period - 1 - t);
+}
+
+static void place_picture(lf_rgbd_warp *w, double pixel_aspect)
+{
+    const lf_layout *l = &w->layout;
+    const double own =
+                     (double)w->half_width / w->half_height * (pixel_aspect > 0 ? pixel_aspect : 1),
+                 frame = l->aspect;
+    const lf_photo_place place =
+        lf_photo_lay(&w->rgbd.photo, own, frame, 1, frame / l->view_width, 1.0 / l->view_height);
+    const double zoom = w->rgbd.zoom, across = l->view_width / frame, down = l->view_height;
+    const double width = place.width * zoom, height = place.height * zoom;
+    const double x = 0.5 * frame + place.right - 0.5 * width * (1 + w->rgbd.crop_x),
+                 y = 0.5 + place.down - 0.5 * height * (1 + w->rgbd.crop_y);
+    w->x0 = (int)lround(x * across);
+    w->y0 = (int)lround(y * down);
+    w->x1 = (int)fmax(round((x + width) * across), w->x0 + 1);
+    w->y1 = (int)fmax(round((y + height) * down), w->y0 + 1);
+    w->left = w->x0 > 0 ? w->x0 : 0;
+    w->right = w->x1 < l->view_width ? w->x1 : l->view_width;
+    w->top = w->y0 > 0 ? w->y0 : 0;
+    w->bottom = w->y1 < l->view_height ? w->y1 : l->view_height;
+}
+
+/* Moves of the views and, from them, the margin of the working row. */
+static lf_status place_views(lf_rgbd_warp *w)
+{
+    const lf_rgbd *r = &w->rgbd;
+    const int n = w->layout.n_views;
+    const double width = w->x1 - w->x0;
+    double most = 0;
+    w->move = lf_calloc((size_t)n, sizeof *w->move);
+    if (!w->move)
+        return LF_E_NOMEM;
+    for (int i = 0; i < n; i++) {
+        const double focus = n > 1 ? (2.0 * i / (n - 1) - 1) * r->focus * w->layout.view_width : 0;
+        const double far = width * lf_rgbd_shift(r, i, n, 0) + focus,
+                     near = width * lf_rgbd_shift(r, i, n, 1) + focus;
+        w->move[i] = (lf_rgbd_move){.offset = far, .gain = near - far};
+        most = fmax(most, fmax(fabs(far), fabs(near)));
+    }
+    const double limit = (double)MOST_MARGIN * w->layout.view_width;
+    const int margin = (int)ceil(fmin(most, limit)) + 2;
+    w->first = w->left - margin;
+    w->n = w->right + margin - w->first;
+    for (int i = 0; i < n; i++)
+        w->move[i].offset += w->first - w->left;
+    return LF_OK;
+}
+
+/* Sets up an axis for the samples low … low + n - 1 of a picture of n_in pixels over [x0, x1). */
+static lf_status init_axis(lf_axis_filter *filter, int n_in, int low, int n, int x0, int x1)
+{
+    const double scale = (double)n_in / (x1 - x0);
+    return lf_axis_filter_init(filter, n_in, n, (low + 0.5 - x0) * scale, scale, scale);
+}
+
+static lf_status place_columns(lf_rgbd_warp *w)
+{
+    int low = w->x1, high = w->x0;
+    w->column = lf_calloc((size_t)w->n, sizeof *w->column);
+    if (!w->column)
+        return LF_E_NOMEM;
+    for (int j = 0; j < w->n; j++) {
+        const int x = mirrored(w->first + j, w->x0, w->x1);
+        w->column[j] = x;
+        low = x < low ? x : low;
+        high = x >= high ? x + 1 : high;
+    }
+    for (int j = 0; j < w->n; j++)
+        w->column[j] -= low;
+    lf_status status = init_axis(&w->columns, w->half_width, low, high - low, w->x0, w->x1);
+    if (status == LF_OK)
+        status = init_axis(&w->rows, w->half_height, w->top, w->bottom - w->top, w->y0, w->y1);
+    w->enlarged = w->x1 - w->x0 >= w->half_width && w->y1 - w->y0 >= w->half_height;
+    return status;
+}
+
+static lf_status make_rows(lf_rgbd_warp *w, const lf_pool *pool)
+{
+    lf_status status = LF_OK;
+    w->n_workers = pool ? lf_pool_threads(pool) : 1;
+    w->light = lf_calloc(1, sizeof *w->light);
+    w->row = lf_calloc((size_t)w->n_workers, sizeof *w->row);
+    if (!w->light || !w->row)
+        return LF_E_NOMEM;
+    lf_rgbd_light_init(w->light);
+    for (int i = 0; i < w->n_workers && status == LF_OK; i++)
+        status = lf_rgbd_row_init(&w->row[i], w->n, w->half_width,
+                                  LF_RGBD_SAMPLES * (w->right - w->left));
+    return status;
+}
+
+static void find_halves(lf_rgbd_warp *w)
+{
+    const size_t x = (size_t)(w->width - w->half_width), y = (size_t)(w->height - w->half_height);
+    const bool is_first = w->rgbd.side == LF_RGBD_IN_LEFT || w->rgbd.side == LF_RGBD_IN_TOP;
+    w->colour_x = is_first ? x : 0;
+    w->colour_y = is_first ? y : 0;
+    w->depth_x = is_first ? 0 : x;
+    w->depth_y = is_first ? 0 : y;
+}
+
+static lf_status check(const lf_rgbd *r, const lf_layout *l, const char *where, lf_error *err)
+{
+    const lf_standing standing = {.depth_cutoff = r->cutoff,
+                                  .focus = r->focus,
+                                  .zoom = r->zoom,
+                                  .crop_x = r->crop_x,
+                                  .crop_y = r->crop_y};
+    if (!isfinite(r->disparity) || !isfinite(r->plane) || !isfinite(r->offset) ||
+        !(r->cone >= 0 && r->cone < M_PI))
+        return lf_error_set(err, LF_E_ARG, where, "the geometry of the depth is not a number");
+    if (l->n_views < 1 || l->view_width < 1 || l->view_height < 1 ||
+        !(l->aspect > 0 && isfinite(l->aspect)))
+        return lf_error_set(err, LF_E_ARG, where, "the layout has no views, pixels or aspect");
+    return lf_standing_check(&standing, where, err);
+}
+
+lf_status lf_rgbd_warp_create(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
+                              const lf_layout *layout, const lf_pool *pool, const char *where,
+                              lf_rgbd_warp **out, lf_error *err)
+{
+    lf_status status = check(rgbd, layout, where, err);
+    int width, height;
+    if (status == LF_OK)
+        status =
+            lf_rgbd_size(rgbd->side, picture->width, picture->height, where, &width, &height, err);
+    if (status != LF_OK)
+        return status;
+    lf_rgbd_warp *w = lf_calloc(1, sizeof *w);
+    if (!w)
+        return lf_error_set(err, LF_E_NOMEM, where, "not enough memory for the views");
+    w->rgbd = *rgbd;
+    w->layout = *layout;
+    w->width = picture->width;
+    w->height = picture->height;
+    w->half_width = width;
+    w->half_height = height;
+    find_halves(w);
+    place_picture(w, picture->pixel_aspect);
+    if (w->left < w->right && w->top < w->bottom) {
+        status = place_views(w);
+        if (status == LF_OK)
+            status = place_columns(w);
+        if (status == LF_OK)
+            status = make_rows(w, pool);
+    }
+    if (status != LF_OK) {
+        lf_rgbd_warp_destroy(w);
+        return lf_error_set(err, status, where, "not enough memory for the views");
+    }
+    *out = w;
+    return LF_OK;
+}
+
+void lf_rgbd_warp_destroy(lf_rgbd_warp *w)
+{
+    if (!w)
+        return;
+    for (int i = 0; i < w->n_workers && w->row; i++)
+        lf_rgbd_row_finish(&w->row[i]);
+    lf_axis_filter_finish(&w->columns);
+    lf_axis_filter_finish(&w->rows);
+    lf_free(w->row);
+    lf_free(w->light);
+    lf_free(w->column);
+    lf_free(w->move);
+    lf_free(w);
+}
+
+/* ------------------------------------------------------------------------------------- views -- */
+
+typedef struct warp_run {
+    lf_rgbd_warp *warp;
+    const lf_rgbd_picture *picture;
+    uint8_t *out;
+} warp_run;
+
+static const uint8_t *pixel_of(const lf_rgbd_picture *p, size_t x, size_t y)
+{
+    return p->data + y * p->stride + 3 * x;
+}
+
+static void draw_row(void *context, int y, int worker)
+{
+    const warp_run *run = context;
+    lf_rgbd_warp *w = run->warp;
+    const lf_layout *l = &w->layout;
+    const size_t line = 3 * (size_t)l->view_width, view = line * (size_t)l->view_height;
+    const bool is_inside = w->left < w->right && y >= w->top && y < w->bottom;
+    lf_rgbd_row *row = is_inside ? &w->row[worker] : NULL;
+    if (is_inside) {
+        const int i = y - w->top;
+        const size_t first = (size_t)w->rows.first[i];
+        const lf_rgbd_source source = {
+            .colour = pixel_of(run->picture, w->colour_x, w->colour_y + first),
+            .depth = pixel_of(run->picture, w->depth_x, w->depth_y + first),
+            .stride = run->picture->stride,
+            .n = w->rows.n_taps[i],
+            .weight = w->rows.weight + (size_t)i * (size_t)w->rows.max_taps,
+            .width = w->half_width};
+        const lf_rgbd_columns columns = {&w->columns, w->column, w->enlarged};
+        lf_rgbd_row_take(row, &w->rgbd, w->light, &source, &columns);
+    }
+    for (int i = 0; i < l->n_views; i++) {
+        uint8_t *to = run->out + (size_t)i * view + (size_t)y * line;
+        if (!is_inside || w->left > 0 || w->right < l->view_width)
+            memset(to, 0, line);
+        if (is_inside)
+            lf_rgbd_row_draw(row, w->light, &w->move[i], w->right - w->left, to + 3 * w->left);
+    }
+}
+
+void lf_rgbd_warp_run(lf_rgbd_warp *warp, const lf_rgbd_picture *picture, uint8_t *out,
+                      lf_pool *pool)
+{
+    warp_run run = {warp, picture, out};
+    const int n = warp->layout.view_height;
+    assert(picture->width == warp->width && picture->height == warp->height);
+    assert(!warp->row || !pool || lf_pool_threads(pool) <= warp->n_workers);
+    const bool done = pool && lf_pool_run(pool, n, draw_row, &run, NULL) == LF_OK;
+    for (int y = 0; y < n && !done; y++)
+        draw_row(&run, y, 0);
+}
+
+lf_status lf_rgbd_views(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
+                        const lf_layout *layout, lf_pool *pool, const char *where, uint8_t *out,
+                        lf_error *err)
+{
+    lf_rgbd_warp *warp = NULL;
+    lf_status status = lf_rgbd_warp_create(rgbd, picture, layout, pool, where, &warp, err);
+    if (status == LF_OK)
+        lf_rgbd_warp_run(warp, picture, out, pool);
+    lf_rgbd_warp_destroy(warp);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------------- looks --
+ */
+
+static bool is_grey(const uint8_t *rgb)
+{
+    /* JPEG and video blur colours, not greys */
+    const int tolerance = 24, a = rgb[0] - rgb[1], b = rgb[1] - rgb[2];
+    return a >= -tolerance && a <= tolerance && b >= -tolerance && b <= tolerance;
+}
+
+lf_rgbd_look lf_rgbd_look_at(const lf_rgbd *rgbd, const lf_rgbd_picture *picture)
+{
+    lf_rgbd_warp halves = {.rgbd = *rgbd, .width = picture->width, .height = picture->height};
+    lf_rgbd_look look = {.is_flat = true};
+    int64_t grey = 0, all = 0;
+    if (lf_rgbd_size(rgbd->side, picture->width, picture->height, "", &halves.half_width,
+                     &halves.half_height, NULL) != LF_OK)
+        return look;
+    find_halves(&halves);
+    const uint8_t *first = pixel_of(picture, halves.depth_x, halves.depth_y);
+    for (int y = 0; y < halves.half_height; y++) {
+        const uint8_t *rgb = pixel_of(picture, halves.depth_x, halves.depth_y + (size_t)y);
+        for (int x = 0; x < halves.half_width; x++, rgb += 3, all++) {
+            grey += is_grey(rgb);
+            look.is_flat = look.is_flat && memcmp(rgb, first, 3) == 0;
+        }
+    }
+    look.is_coloured = rgbd->is_hue ? grey == all : 10 * grey < 9 * all;
+    return look;
+}
