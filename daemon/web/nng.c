@@ -109,12 +109,18 @@ static void on_reply(void *context, const uint8_t *data, size_t n)
     listen_for(p);
 }
 
+/* Of the message that comes. */
+static void expect_more(const peer *p)
+{
+    lf_patience_pace(p->patience, PACE_USEC);
+}
+
 static void on_ready(void *context)
 {
     peer *p = context;
     p->paused = false;
     if (p->inside)
-        lf_patience_pace(p->patience, PACE_USEC);
+        expect_more(p);
     listen_for(p);
 }
 
@@ -130,7 +136,7 @@ static bool begin_message(peer *p)
         return false;
     p->inside = true;
     p->left = n;
-    lf_patience_pace(p->patience, PACE_USEC);
+    expect_more(p);
     return true;
 }
 
