@@ -8,8 +8,10 @@
 #include "quilt/photo.h"
 #include "quilt/rgbd_row.h"
 
-/* Margins of a working row: at most this many widths of a view on each side. */
+/* Margins of the surface: at most this many widths of a view on each side. */
 #define MOST_MARGIN 4
+/* Pixels by which what is in front of a step grows, at most. */
+#define MOST_WIDEN 4
 
 struct lf_rgbd_warp {
     lf_rgbd rgbd;
@@ -18,18 +20,20 @@ struct lf_rgbd_warp {
     int half_width, half_height;                 /* of one half */
     size_t colour_x, colour_y, depth_x, depth_y; /* where the halves begin */
     int x0, x1, y0, y1;           /* the picture on the view, in pixels; may be beyond it */
-    int left, right, top, bottom; /* what of it the view shows: empty if left >= right */
-    int first, n;                 /* the working row: columns first … first + n - 1 */
-    int *column;                  /* [n] sample of `columns` */
-    lf_axis_filter columns, rows;
+    int left, right, top, bottom; /* what of it the view shows; empty if left >= right */
+    lf_axis_filter across, down;  /* of the surface's pixels */
+    lf_rgbd_columns columns;      /* of a row */
     bool enlarged;
+    int n_widen;
+    lf_rgbd_surface surface;
     lf_rgbd_move *move; /* [n_views] */
     lf_rgbd_light *light;
     int n_workers;
-    lf_rgbd_row *row; /* [n_workers] */
+    lf_rgbd_row *row;     /* [n_workers] */
+    lf_rgbd_strip *strip; /* [n_workers] */
 };
 
-/* ----------------------------------------------------------------------------------- layout -- */
+/* ------------------------------------------------------------------------------------ layout -- */
 
 /* The place of n in [low, high) after mirroring at both ends. */
 static int mirrored(int n, int low, int high)
@@ -61,7 +65,29 @@ static void place_picture(lf_rgbd_warp *w, double pixel_aspect)
     w->bottom = w->y1 < l->view_height ? w->y1 : l->view_height;
 }
 
-/* Moves of the views and, from them, the margin of the working row. */
+/* Columns beyond what the view shows that a shift of so many pixels brings into it. */
+static int margin_of(const lf_rgbd_warp *w, double shift)
+{
+    return (int)ceil(fmin(shift, (double)MOST_MARGIN * w->layout.view_width)) + 2;
+}
+
+/* The columns of a row, as columns of the view; place_pixels counts them from the surface's. */
+static lf_status place_columns(lf_rgbd_warp *w, int margin)
+{
+    lf_rgbd_columns *c = &w->columns;
+    const int first = w->left - margin;
+    c->n = w->right + margin - first;
+    c->column = lf_calloc((size_t)c->n, sizeof *c->column);
+    if (!c->column)
+        return LF_E_NOMEM;
+    for (int j = 0; j < c->n; j++)
+        c->column[j] = mirrored(first + j, w->x0, w->x1);
+    c->first = w->x0 > first ? w->x0 - first : 0;
+    c->end = w->x1 - first < c->n ? w->x1 - first : c->n;
+    return LF_OK;
+}
+
+/* Moves of the views and, from them, the columns of the surface. */
 static lf_status place_views(lf_rgbd_warp *w)
 {
     const lf_rgbd *r = &w->rgbd;
@@ -78,13 +104,9 @@ static lf_status place_views(lf_rgbd_warp *w)
         w->move[i] = (lf_rgbd_move){.offset = far, .gain = near - far};
         most = fmax(most, fmax(fabs(far), fabs(near)));
     }
-    const double limit = (double)MOST_MARGIN * w->layout.view_width;
-    const int margin = (int)ceil(fmin(most, limit)) + 2;
-    w->first = w->left - margin;
-    w->n = w->right + margin - w->first;
     for (int i = 0; i < n; i++)
-        w->move[i].offset += w->first - w->left;
-    return LF_OK;
+        w->move[i].offset -= margin_of(w, most);
+    return place_columns(w, margin_of(w, most));
 }
 
 /* Sets up an axis for the samples low … low + n - 1 of a picture of n_in pixels over [x0, x1). */
@@ -94,25 +116,27 @@ static lf_status init_axis(lf_axis_filter *filter, int n_in, int low, int n, int
     return lf_axis_filter_init(filter, n_in, n, (low + 0.5 - x0) * scale, scale, scale);
 }
 
-static lf_status place_columns(lf_rgbd_warp *w)
+static lf_status place_pixels(lf_rgbd_warp *w)
 {
-    int low = w->x1, high = w->x0;
-    w->column = lf_calloc((size_t)w->n, sizeof *w->column);
-    if (!w->column)
-        return LF_E_NOMEM;
-    for (int j = 0; j < w->n; j++) {
-        const int x = mirrored(w->first + j, w->x0, w->x1);
-        w->column[j] = x;
-        low = x < low ? x : low;
-        high = x >= high ? x + 1 : high;
+    lf_rgbd_columns *c = &w->columns;
+    const int height = w->bottom - w->top;
+    const double across = (double)(w->x1 - w->x0) / w->half_width,
+                 down = (double)(w->y1 - w->y0) / w->half_height;
+    int low = c->column[0], high = low;
+    for (int j = 1; j < c->n; j++) {
+        low = c->column[j] < low ? c->column[j] : low;
+        high = c->column[j] > high ? c->column[j] : high;
     }
-    for (int j = 0; j < w->n; j++)
-        w->column[j] -= low;
-    lf_status status = init_axis(&w->columns, w->half_width, low, high - low, w->x0, w->x1);
+    for (int j = 0; j < c->n; j++)
+        c->column[j] -= low;
+    const int n = high + 1 - low;
+    lf_status status = init_axis(&w->across, w->half_width, low, n, w->x0, w->x1);
     if (status == LF_OK)
-        status = init_axis(&w->rows, w->half_height, w->top, w->bottom - w->top, w->y0, w->y1);
-    w->enlarged = w->x1 - w->x0 >= w->half_width && w->y1 - w->y0 >= w->half_height;
-    return status;
+        status = init_axis(&w->down, w->half_height, w->top, height, w->y0, w->y1);
+    w->enlarged = across >= 1 && down >= 1;
+    /* colours of a step are mixed over a pixel of the picture */
+    w->n_widen = (int)fmin(ceil(fmax(across, 1)), MOST_WIDEN);
+    return status == LF_OK ? lf_rgbd_surface_init(&w->surface, n, height) : status;
 }
 
 static lf_status make_rows(lf_rgbd_warp *w, const lf_pool *pool)
@@ -121,12 +145,16 @@ static lf_status make_rows(lf_rgbd_warp *w, const lf_pool *pool)
     w->n_workers = pool ? lf_pool_threads(pool) : 1;
     w->light = lf_calloc(1, sizeof *w->light);
     w->row = lf_calloc((size_t)w->n_workers, sizeof *w->row);
-    if (!w->light || !w->row)
+    w->strip = lf_calloc((size_t)w->n_workers, sizeof *w->strip);
+    if (!w->light || !w->row || !w->strip)
         return LF_E_NOMEM;
     lf_rgbd_light_init(w->light);
-    for (int i = 0; i < w->n_workers && status == LF_OK; i++)
-        status = lf_rgbd_row_init(&w->row[i], w->n, w->half_width,
-                                  LF_RGBD_SAMPLES * (w->right - w->left));
+    for (int i = 0; i < w->n_workers && status == LF_OK; i++) {
+        status = lf_rgbd_strip_init(&w->strip[i], w->half_width);
+        if (status == LF_OK)
+            status =
+                lf_rgbd_row_init(&w->row[i], &w->columns, LF_RGBD_SAMPLES * (w->right - w->left));
+    }
     return status;
 }
 
@@ -181,7 +209,7 @@ lf_status lf_rgbd_warp_create(const lf_rgbd *rgbd, const lf_rgbd_picture *pictur
     if (w->left < w->right && w->top < w->bottom) {
         status = place_views(w);
         if (status == LF_OK)
-            status = place_columns(w);
+            status = place_pixels(w);
         if (status == LF_OK)
             status = make_rows(w, pool);
     }
@@ -199,11 +227,15 @@ void lf_rgbd_warp_destroy(lf_rgbd_warp *w)
         return;
     for (int i = 0; i < w->n_workers && w->row; i++)
         lf_rgbd_row_finish(&w->row[i]);
-    lf_axis_filter_finish(&w->columns);
-    lf_axis_filter_finish(&w->rows);
+    for (int i = 0; i < w->n_workers && w->strip; i++)
+        lf_rgbd_strip_finish(&w->strip[i]);
+    lf_rgbd_surface_finish(&w->surface);
+    lf_axis_filter_finish(&w->across);
+    lf_axis_filter_finish(&w->down);
+    lf_free(w->columns.column);
     lf_free(w->row);
+    lf_free(w->strip);
     lf_free(w->light);
-    lf_free(w->column);
     lf_free(w->move);
     lf_free(w);
 }
@@ -221,46 +253,87 @@ static const uint8_t *pixel_of(const lf_rgbd_picture *p, size_t x, size_t y)
     return p->data + y * p->stride + 3 * x;
 }
 
+static void take_row(void *context, int y, int worker)
+{
+    const warp_run *run = context;
+    lf_rgbd_warp *w = run->warp;
+    const size_t first = (size_t)w->down.first[y];
+    const lf_rgbd_source source = {.colour =
+                                       pixel_of(run->picture, w->colour_x, w->colour_y + first),
+                                   .depth = pixel_of(run->picture, w->depth_x, w->depth_y + first),
+                                   .stride = run->picture->stride,
+                                   .n = w->down.n_taps[y],
+                                   .weight = w->down.weight + (size_t)y * (size_t)w->down.max_taps,
+                                   .width = w->half_width,
+                                   .enlarged = w->enlarged};
+    lf_rgbd_surface_take(&w->surface, y, &w->rgbd, w->light, &source, &w->across,
+                         &w->strip[worker]);
+}
+
+static void sharpen_row(void *context, int y, int worker)
+{
+    (void)worker;
+    lf_rgbd_surface_sharpen(&((const warp_run *)context)->warp->surface, y);
+}
+
+static void join_row(void *context, int y, int worker)
+{
+    (void)worker;
+    lf_rgbd_surface_join(&((const warp_run *)context)->warp->surface, y);
+}
+
+static void widen_row(void *context, int y, int worker)
+{
+    (void)worker;
+    lf_rgbd_surface_widen(&((const warp_run *)context)->warp->surface, y);
+}
+
 static void draw_row(void *context, int y, int worker)
 {
     const warp_run *run = context;
     lf_rgbd_warp *w = run->warp;
     const lf_layout *l = &w->layout;
     const size_t line = 3 * (size_t)l->view_width, view = line * (size_t)l->view_height;
-    const bool is_inside = w->left < w->right && y >= w->top && y < w->bottom;
+    const bool is_inside = w->row && y >= w->top && y < w->bottom;
     lf_rgbd_row *row = is_inside ? &w->row[worker] : NULL;
-    if (is_inside) {
-        const int i = y - w->top;
-        const size_t first = (size_t)w->rows.first[i];
-        const lf_rgbd_source source = {
-            .colour = pixel_of(run->picture, w->colour_x, w->colour_y + first),
-            .depth = pixel_of(run->picture, w->depth_x, w->depth_y + first),
-            .stride = run->picture->stride,
-            .n = w->rows.n_taps[i],
-            .weight = w->rows.weight + (size_t)i * (size_t)w->rows.max_taps,
-            .width = w->half_width};
-        const lf_rgbd_columns columns = {&w->columns, w->column, w->enlarged};
-        lf_rgbd_row_take(row, &w->rgbd, w->light, &source, &columns);
-    }
+    if (is_inside)
+        lf_rgbd_row_take(row, &w->surface, y - w->top);
     for (int i = 0; i < l->n_views; i++) {
         uint8_t *to = run->out + (size_t)i * view + (size_t)y * line;
         if (!is_inside || w->left > 0 || w->right < l->view_width)
             memset(to, 0, line);
         if (is_inside)
-            lf_rgbd_row_draw(row, w->light, &w->move[i], w->right - w->left, to + 3 * w->left);
+            lf_rgbd_row_draw(row, w->light, &w->move[i], w->right - w->left,
+                             to + 3 * (size_t)w->left);
     }
+}
+
+static void run_rows(warp_run *run, lf_pool_fn fn, int n, lf_pool *pool)
+{
+    const bool done = pool && lf_pool_run(pool, n, fn, run, NULL) == LF_OK;
+    for (int y = 0; y < n && !done; y++)
+        fn(run, y, 0);
 }
 
 void lf_rgbd_warp_run(lf_rgbd_warp *warp, const lf_rgbd_picture *picture, uint8_t *out,
                       lf_pool *pool)
 {
     warp_run run = {warp, picture, out};
-    const int n = warp->layout.view_height;
+    lf_rgbd_surface *surface = &warp->surface;
     assert(picture->width == warp->width && picture->height == warp->height);
     assert(!warp->row || !pool || lf_pool_threads(pool) <= warp->n_workers);
-    const bool done = pool && lf_pool_run(pool, n, draw_row, &run, NULL) == LF_OK;
-    for (int y = 0; y < n && !done; y++)
-        draw_row(&run, y, 0);
+    if (warp->row)
+        run_rows(&run, take_row, surface->height, pool);
+    for (int i = 0; warp->row && i <= LF_RGBD_SHARPEN + warp->n_widen; i++) {
+        const lf_pool_fn step = i < LF_RGBD_SHARPEN    ? sharpen_row
+                                : i == LF_RGBD_SHARPEN ? join_row
+                                                       : widen_row;
+        run_rows(&run, step, surface->height, pool);
+        float *next = surface->spare;
+        surface->spare = surface->code;
+        surface->code = next;
+    }
+    run_rows(&run, draw_row, warp->layout.view_height, pool);
 }
 
 lf_status lf_rgbd_views(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
@@ -275,8 +348,7 @@ lf_status lf_rgbd_views(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- looks --
- */
+/* ------------------------------------------------------------------------------------- looks -- */
 
 static bool is_grey(const uint8_t *rgb)
 {

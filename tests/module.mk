@@ -85,7 +85,11 @@ wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 # time that passes when the test says so
 wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 wrap_test_web_clients := $(wrap_test_web_time)
+wrap_test_bridge_time := $(wrap_test_web_time)
 wrap_test_nng := $(wrap_test_web_time)
+
+# clients of all doors, whose time passes in the same way
+wrap_test_doors_hostile = $(wrap_test_web_time)
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c
@@ -101,6 +105,7 @@ wrap_test_states := -Wl,--wrap=lf_renderer_restore
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 
 # waiting that takes no time
+wrap_test_movie_player := -Wl,--wrap=lf_time_now_ns,--wrap=poll,--wrap=ppoll
 wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 
 # a slow disk, saves that come soon

@@ -53,7 +53,7 @@ static lf_status refuse_key(const char *key, const char *what, lf_error *err)
 lf_status lf_server_take_entry(const json_t *from, lf_playlist_entry *entry, lf_error *err)
 {
     const json_t *seconds = json_object_get(from, "seconds");
-    json_t *keys = json_copy((json_t *)(uintptr_t)from);
+    json_t *keys = json_deep_copy(from); /* another thread reads it, and not the call's */
     if (!keys)
         return lf_error_set(err, LF_E_NOMEM, "playlist", "out of memory");
     if (seconds)
@@ -94,6 +94,20 @@ static bool is_plain(const lf_playlist_entry *entry, const lf_load_words *words)
            !lf_layout_from_name(entry->file, &columns, &rows, &aspect) && !is_rgbd(entry, words);
 }
 
+/* Of a quilt whose tiles are known. */
+static lf_status check_views(const lf_playlist_entry *entry, const lf_load_words *words,
+                             lf_error *err)
+{
+    int columns = words->columns, rows = words->rows;
+    double aspect;
+    if (words->photo.n_views == 0 ||
+        (columns == 0 && !lf_layout_from_name(entry->file, &columns, &rows, &aspect)))
+        return LF_OK;
+    return words->photo.n_views <= columns * rows
+               ? LF_OK
+               : refuse_key("views", "there are fewer tiles; give views up to their number", err);
+}
+
 lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry *entry,
                                 lf_load_words *words, lf_error *err)
 {
@@ -113,7 +127,7 @@ lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry
         return refuse_key("quilt", why.what, err);
     if (status == LF_OK && !quilt && is_plain(entry, words))
         words->columns = words->rows = 1;
-    return status;
+    return status == LF_OK ? check_views(entry, words, err) : status;
 }
 
 /* ---------------------------------------------------------------------------------- checking -- */
@@ -123,6 +137,7 @@ typedef struct checking {
     lf_errand errand;
     const lf_server *server; /* only what is constant */
     lf_deferred *deferred;   /* NULL: nobody waits for an answer */
+    bool only_checks;        /* nothing changes */
     bool begins;             /* at the start: the entries are then played */
     char *folder;            /* absolute; NULL: entries are given */
     bool more;
@@ -265,6 +280,15 @@ static void fail(lf_server *server, const checking *c)
     lf_server_ready(server);
 }
 
+/* The entries that were checked, as playlist.set would return them. */
+static json_t *checked_json(const checking *c)
+{
+    json_t *entries = json_array();
+    for (int i = 0; i < c->n; i++)
+        (void)json_array_append_new(entries, lf_server_entry_json(&c->entries[i]));
+    return json_pack("{s:o}", "entries", entries);
+}
+
 static void on_checked(void *context, lf_errand *errand)
 {
     lf_server *server = context;
@@ -275,6 +299,8 @@ static void on_checked(void *context, lf_errand *errand)
                                       "the daemon is shutting down");
     if (errand->status != LF_OK && !(stops && !c->deferred)) {
         fail(server, c);
+    } else if (errand->status == LF_OK && c->only_checks) {
+        lf_deferred_reply(c->deferred, checked_json(c));
     } else if (errand->status == LF_OK) {
         take(server, c);
         if (c->deferred)
@@ -389,6 +415,7 @@ void lf_server_playlist_set(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
+    c->only_checks = json_is_true(json_object_get(call->params, "check"));
     c->deferred = lf_defer(call);
     if (!c->deferred) {
         free_checking(c);

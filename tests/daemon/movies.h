@@ -62,7 +62,8 @@ static inline void movie_write_raw(const char *folder, const char *name, int fir
 LF_PRINTF(2, 3) static inline void movie_run(const char *folder, const char *fmt, ...)
 {
     char line[PATH_MAX + 2048];
-    int n = snprintf(line, sizeof line, "cd %s && ", folder);
+    /* an ffmpeg of the test's own makes no videos */
+    int n = snprintf(line, sizeof line, "PATH=${PATH#%s:}; cd %s && ", folder, folder);
     va_list ap;
     va_start(ap, fmt);
     vsnprintf(line + n, sizeof line - (size_t)n, fmt, ap);

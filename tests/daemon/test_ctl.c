@@ -38,6 +38,12 @@ static void the_line_of_watch_says_what_a_person_wants_to_know(void **state)
     json_object_set_new(status, "generation", json_integer(4));
     assert_string_equal(line_of(status), "fog.json: rendering, 12 s, 34 passes, error 1, about "
                                          "33.3 h left to 0.0001; not on the panel yet");
+    status = rendering("converged", json_null(), 0.01, json_null());
+    json_object_set_new(
+        status, "playlist",
+        json_pack("{s:i, s:i, s:b, s:b}", "index", 1, "entries", 5, "playing", 1, "paused", 1));
+    assert_string_equal(line_of(status), "paused at entry 2 of 5, fog.json: finished, 12 s, 34 "
+                                         "passes; on the panel: complete");
     assert_string_equal(line_of(json_pack("{s:s, s:n}", "state", "idle", "scene")), "no scene");
     assert_string_equal(line_of(json_pack("{s:s, s:{s:s}}", "state", "error", "error", "message",
                                           "fog.json:3: bad")),

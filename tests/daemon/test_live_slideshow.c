@@ -146,6 +146,7 @@ static void keys_of_an_entry_are_checked_and_told(void **state)
         const char *entry, *pointer, *why;
     } wrong[] = {
         {"{\"file\": \"a.png\", \"quilt\": \"8\"}", "/entries/0/quilt", ""},
+        {"{\"file\": \"b_qs2x2.png\", \"views\": 5}", "/entries/0/views", "fewer tiles"},
         {"{\"file\": \"a.png\", \"zoom\": 5}", "/entries/0/zoom", ""},
         {"{\"file\": \"a.png\", \"rgbd_in\": \"behind\"}", "/entries/0/rgbd_in", ""},
         {"{\"file\": \"a.png\", \"loud\": true}", "/entries/0", "loud"},
@@ -168,6 +169,10 @@ static void keys_of_an_entry_are_checked_and_told(void **state)
     live_wait(&h.c, "converged");
     assert_int_equal((int)live_number(&h.c, "status", NULL, "views"), 4);
     lf_assert_close(live_number(&h.c, "status", NULL, "aspect"), 0.5, 0, 1e-9);
+    assert_int_equal(live_code(&h.c, "playlist.change", json_pack("{s:i}", "views", 3)), 0);
+    live_wait(&h.c, "converged");
+    while ((int)live_number(&h.c, "status", NULL, "views") != 3)
+        live_nap(20);
     end(&h);
 }
 

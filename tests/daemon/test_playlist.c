@@ -232,6 +232,10 @@ static void what_is_on_the_panel_is_not_loaded_again(void **state)
     lf_playlist_stop(o->list);
     fail_load(o);
     assert_string_equal(asked(o), "x");
+    lf_playlist_play(o->list, 0);
+    fails(o, "x");
+    shows(o, "a");
+    lf_playlist_stop(o->list);
     set(o, "xay", true);
     lf_playlist_play(o->list, 0);
     fails(o, "x");

@@ -267,6 +267,36 @@ static void a_replaced_playlist_is_not_played_any_more(void **state)
     fails(g, "update_current_entry", token, "\"name\":\"a\",\"focus\":0", "not played");
 }
 
+/* It is filled while quiltd goes on with what it has. */
+static void an_emptied_playlist_is_another_one(void **state)
+{
+    gateway *g = *state;
+    const char *token = enter(g);
+    make_list(g, token, "a", "/a.png");
+    done(g, "play_playlist", token, "\"name\":\"a\"");
+    make_list(g, token, "a", "/b.png");
+    json_t *now = lf_gateway_slideshow(g);
+    const json_t *entry = json_array_get(json_object_get(now, "entries"), 0);
+    assert_string_equal(json_string_value(json_object_get(entry, "file")), "/a.png");
+    json_decref(now);
+    fails(g, "transport_control_next", token, "", "call play_playlist first");
+    done(g, "play_playlist", token, "\"name\":\"a\"");
+    done(g, "transport_control_next", token, "");
+}
+
+static void requests_and_failures_are_counted(void **state)
+{
+    gateway *g = *state;
+    char header[80];
+    const char *token = enter(g);
+    fails(g, "cancel_pending", token, "", "");
+    assert_int_equal(lf_caller_status(put_raw(g, "bridge_version", "[", "")), 400);
+    snprintf(header, sizeof header, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
+    const char *answer = lf_caller_get(g, "GET /metrics HTTP/1.1", header);
+    assert_non_null(strstr(answer, "\nquiltweb_bridge_requests_total 3\n"));
+    assert_non_null(strstr(answer, "\nquiltweb_bridge_failures_total 2\n"));
+}
+
 static void a_quiltd_that_ends_fails_the_requests(void **state)
 {
     gateway *g = *state;
@@ -431,6 +461,8 @@ int main(void)
         lf_gateway_programs_test(what_is_not_shown_was_not_played),
         lf_gateway_programs_test(what_cannot_be_done_fails),
         lf_gateway_programs_test(a_replaced_playlist_is_not_played_any_more),
+        lf_gateway_programs_test(an_emptied_playlist_is_another_one),
+        lf_gateway_programs_test(requests_and_failures_are_counted),
         lf_gateway_programs_test(a_quiltd_that_ends_fails_the_requests),
         lf_gateway_programs_test(bodies_are_objects_of_one_mebibyte),
         lf_gateway_programs_test(listeners_are_told_of_their_orchestration),

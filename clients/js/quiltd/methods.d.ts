@@ -49,6 +49,10 @@ export interface Calls {
       "passed"?: string[];
       /** true: a finished image is on display, not a rendering */
       "is_quilt"?: boolean;
+      /** true: its views were drawn from an image with depth; only with is_quilt */
+      "is_rgbd"?: boolean;
+      /** how the finished image stands, as the keys of scene.load; only with is_quilt */
+      "standing"?: { [key: string]: unknown };
       /** number of views [count] */
       "views"?: number;
       /** columns of the quilt [count] */
@@ -351,6 +355,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -359,9 +365,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -438,9 +444,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -614,6 +620,8 @@ export interface Calls {
         "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
         /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
         "aspect"?: number;
+        /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+        "views"?: number;
         /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
         "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
         /** on: near is black, far white, in the depth of an RGBD image */
@@ -622,9 +630,9 @@ export interface Calls {
         "chroma_depth"?: "off" | "on";
         /** factor of the depth of an RGBD image */
         "depthiness"?: number;
-        /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+        /** least depth code of an RGBD image; farther points come up to it */
         "depth_cutoff"?: number;
-        /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+        /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
         "focus"?: number;
         /** scale of a finished image about the middle of the view */
         "zoom"?: number;
@@ -641,6 +649,8 @@ export interface Calls {
       "loop"?: boolean;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
+      /** only check the entries, and change nothing */
+      "check"?: boolean;
     };
     result: {
       /** what is shown, in this order */
@@ -667,6 +677,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -732,6 +744,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -800,6 +814,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -865,6 +881,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -933,6 +951,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -995,6 +1015,8 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
       /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
       "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
       /** on: near is black, far white, in the depth of an RGBD image */
@@ -1003,9 +1025,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -1039,6 +1061,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1104,6 +1128,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1169,6 +1195,8 @@ export interface Calls {
         "photo_rotate"?: string;
         /** as of scene.load [width over height] */
         "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
         /** as of scene.load */
         "rgbd_in"?: string;
         /** as of scene.load */
@@ -1798,6 +1826,8 @@ export interface Notifications {
       "photo_rotate"?: string;
       /** as of scene.load [width over height] */
       "aspect"?: number;
+      /** as of scene.load [count] */
+      "views"?: number;
       /** as of scene.load */
       "rgbd_in"?: string;
       /** as of scene.load */
