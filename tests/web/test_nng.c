@@ -276,6 +276,47 @@ static void a_client_that_waits_for_us_stays(void **state)
     lf_test_folder_remove(folder);
 }
 
+/* quiltd answers the next call, which must hold these words. */
+static void answer_call(int listener, const char *words, const char *result)
+{
+    char line[256];
+    int quiltd = accept(listener, NULL, NULL), fd = -1;
+    assert_true(quiltd >= 0);
+    limit_rights(quiltd);
+    const char *call = hear(quiltd, &fd);
+    if (!strstr(call, words))
+        fail_msg("%s, expected %s", call, words);
+    snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:fetch\",\"result\":%s}\n",
+             result);
+    say(quiltd, line);
+    if (fd >= 0)
+        close(fd);
+    close(quiltd);
+    lf_clock_settle(event);
+}
+
+/* quiltd has the quilt at first, and shows it later. */
+static void an_answer_waits_for_the_panel(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), path[108];
+    const int quiltd = listen_as_quiltd(folder, path);
+    home h = begin_before(path);
+    size_t n = 0;
+    uint8_t *wipe = frame((uint32_t)ID, "{\"wipe\": {}}", &n);
+    int fd = greet(&h);
+    put(fd, wipe, n);
+    answer_call(quiltd, "quilt.show", "{\"generation\":9,\"warnings\":[]}");
+    assert_true(is_open(fd)); /* and nothing came */
+    answer_call(quiltd, "\"generation\":9,\"for\":\"coarse\"", "{\"generation\":9}");
+    assert_int_equal(take_error(fd, (uint32_t)ID), LF_DRIVER_NONE);
+    free(wipe);
+    close(fd);
+    end(&h);
+    close(quiltd);
+    lf_test_folder_remove(folder);
+}
+
 static void clients_are_bounded(void **state)
 {
     (void)state;
@@ -406,6 +447,7 @@ int main(void)
         timed(other_protocols_are_dropped),
         timed(a_client_that_stands_still_is_dropped),
         timed(a_client_that_waits_for_us_stays),
+        timed(an_answer_waits_for_the_panel),
         timed(clients_are_bounded),
         timed(a_large_image_is_skipped),
         timed(the_socket_is_for_its_user_alone),
