@@ -10,6 +10,7 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make bench-page         times of quiltweb's page in a browser, as medians, on a machine that does nothing else
+#   make bench-playlist     a minute of a slideshow: images, their intervals, dropped frames, on a machine that does nothing else
 #   make lint               static checks
 #   make python             the client in Python: a wheel and an sdist in build/
 #   make docs               write the tables of docs/reference from the tables of the programs
@@ -67,7 +68,7 @@ libraries := web tools server engine papers render quilt model device base
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 check-clients check-kernel check-distro run bench bench-page verify lint fuzz soak mutants deb
+front := check check-arm64 check-clients check-kernel check-distro run bench bench-page bench-playlist verify lint fuzz soak mutants deb
 # Goals that need no library flags.
 light := $(front) deps clean help python
 goals := $(or $(MAKECMDGOALS),all)
@@ -269,6 +270,10 @@ bench-now: all
 	@mkdir -p $(BUILDROOT)/bench
 	$(O)/quiltbench $(if $(ARGS),$(ARGS),--out $(BUILDROOT)/bench)
 
+.PHONY: bench-playlist-now
+bench-playlist-now: all
+	@O='$(O)' SRCDIR='$(SRCDIR)' $(SRCDIR)/tests/bench_playlist.sh
+
 .PHONY: bench-page-now
 bench-page-now: all
 	@O='$(O)' SRCDIR='$(SRCDIR)' $(SRCDIR)/tests/page/bench.sh '$(SCENE)'
@@ -286,6 +291,9 @@ run:
 	@trap '' INT; $(self) $@-now
 bench:
 	@$(SRCDIR)/.ci/deps install build bench
+	@$(self) $(jobs) $@-now
+bench-playlist:
+	@$(SRCDIR)/.ci/deps install build test
 	@$(self) $(jobs) $@-now
 bench-page:
 	@$(SRCDIR)/.ci/deps install build page

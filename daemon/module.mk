@@ -7,7 +7,7 @@ libs_quiltrender := $(filter-out model,$(libraries))
 quiltsim_srcs := $(call wild,daemon/tools/quiltsim.c)
 tools_srcs := $(filter-out $(quiltd_srcs) $(quiltctl_srcs) $(quiltrender_srcs) $(quiltsim_srcs),$(call wild,daemon/tools/*.c))
 server_srcs := $(foreach f,server parts show wire,$(call wild,daemon/$(f)/*.c))
-engine_srcs := $(foreach f,engine output threads,$(call wild,daemon/$(f)/*.c))
+engine_srcs := $(foreach f,engine media output threads,$(call wild,daemon/$(f)/*.c))
 
 # the gateway: it renders nothing, and only it links libraries of HTTP
 quiltweb_srcs := $(call wild,daemon/web/quiltweb.c)

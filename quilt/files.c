@@ -108,26 +108,38 @@ static double aspect_of(int width, int height, const lf_raster *p)
     return (double)width / height * (p->meta.pixel_aspect > 0 ? p->meta.pixel_aspect : 1);
 }
 
-static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo *photo,
-                           lf_quilt_file *q, lf_error *err)
+/* Sets the shape of the views and the orientation by which they are rotated. */
+static lf_status shape_quilt(const char *path, const lf_raster *p, const lf_photo *photo,
+                             lf_quilt_file *q, int *out_orientation, lf_error *err)
 {
     lf_layout *l = &q->layout;
     if (p->width < l->columns || p->height < l->rows)
         return lf_error_set(err, LF_E_FORMAT, path, "%dx%d pixels are too few for %dx%d views",
                             p->width, p->height, l->columns, l->rows);
-    const int width = p->width / l->columns, height = p->height / l->rows;
     if (l->n_views == 0)
         l->n_views = l->columns * l->rows;
-    l->view_width = width;
-    l->view_height = height;
+    l->view_width = p->width / l->columns;
+    l->view_height = p->height / l->rows;
     if (photo->aspect > 0)
         l->aspect = photo->aspect;
     if (!(l->aspect > 0))
-        l->aspect = aspect_of(width, height, p);
-    const int orientation = lf_photo_orientation(photo, l->aspect);
-    turn_layout(l, orientation);
+        l->aspect = aspect_of(l->view_width, l->view_height, p);
+    *out_orientation = lf_photo_orientation(photo, l->aspect);
+    turn_layout(l, *out_orientation);
+    return LF_OK;
+}
+
+static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo *photo,
+                           lf_quilt_file *q, lf_error *err)
+{
+    const lf_layout *l = &q->layout;
+    int orientation = 1;
+    lf_status status = shape_quilt(path, p, photo, q, &orientation, err);
+    if (status != LF_OK)
+        return status;
+    const int width = p->width / l->columns, height = p->height / l->rows;
     q->is_float = p->data32;
-    lf_status status = allocate_views(q, path, err);
+    status = allocate_views(q, path, err);
     for (int view = 0; view < l->n_views && status == LF_OK; view++)
         take_view(q, view, p, view % l->columns * width,
                   p->height - (view / l->columns + 1) * height, orientation);
@@ -191,29 +203,57 @@ static void note_layout(lf_quilt_file *q, int named_columns, int named_rows, con
                       p->width, p->height, l->columns, l->rows, beside, above);
 }
 
+/* Finds the tiles of a quilt: as requested, otherwise from its name. */
+static lf_status find_tiles(const char *path, int columns, int rows, lf_layout *named,
+                            lf_layout *out, lf_error *err)
+{
+    const bool has_name = lf_layout_from_name(path, &named->columns, &named->rows, &named->aspect);
+    if (columns == 0 || rows == 0) {
+        if (!has_name)
+            return refuse_name(path, err);
+        columns = named->columns;
+        rows = named->rows;
+    }
+    *out = (lf_layout){.columns = columns, .rows = rows, .aspect = named->aspect};
+    return LF_OK;
+}
+
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
                             const lf_photo *photo, lf_quilt_file *q, lf_error *err)
 {
-    int named_columns = 0, named_rows = 0;
-    double aspect = 0;
-    bool named = lf_layout_from_name(path, &named_columns, &named_rows, &aspect);
-    const bool is_requested = columns > 0 && rows > 0;
-    if (!is_requested) {
-        if (!named)
-            return refuse_name(path, err);
-        columns = named_columns;
-        rows = named_rows;
-    }
-    q->layout = (lf_layout){.columns = columns, .rows = rows, .aspect = aspect};
+    lf_layout named = {0};
+    lf_status status = find_tiles(path, columns, rows, &named, &q->layout, err);
+    if (status != LF_OK)
+        return status;
     lf_raster p = {0};
-    lf_status status = lf_raster_open(path, roots, false, &p, err);
+    status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, photo, q, err);
-    if (status == LF_OK && is_requested)
-        note_layout(q, named_columns, named_rows, &p);
+    if (status == LF_OK && columns > 0 && rows > 0)
+        note_layout(q, named.columns, named.rows, &p);
     lf_image_note_lines(&q->notes, p.meta.notes.text, p.meta.notes.length);
     lf_raster_close(&p);
     return status;
+}
+
+lf_status lf_quilt_plan(const char *path, int columns, int rows, const lf_raster *size,
+                        const lf_photo *photo, lf_quilt_file *out, int *out_orientation,
+                        lf_error *err)
+{
+    lf_quilt_file q = {0};
+    lf_layout named = {0}, *l = &q.layout;
+    lf_status status = find_tiles(path, columns, rows, &named, l, err);
+    if (status == LF_OK)
+        status = shape_quilt(path, size, photo, &q, out_orientation, err);
+    if (status != LF_OK)
+        return status;
+    if (columns > 0 && rows > 0)
+        note_layout(&q, named.columns, named.rows, size);
+    const size_t row = (size_t)l->view_width * 3;
+    q.views8 = (lf_views8){l->n_views, l->view_width, l->view_height, row * (size_t)l->view_height,
+                           row,        NULL};
+    *out = q;
+    return LF_OK;
 }
 
 /* ------------------------------------------------------------------------------------ folder -- */

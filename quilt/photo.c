@@ -55,6 +55,8 @@ const lf_param lf_picture_params[] = {
      .help = "width / height of the views of a quilt or folder (from its name or pixels)",
      .about = "width / height of the views of a finished quilt or folder (from its name, images "
               "or pixels)"},
+    {.name = "views", PLACE(n_views), .type = LF_PARAM_WHOLE, .low = 1, .high = 4096,
+     .help = "number of views of a quilt image or video; further tiles are unused (all tiles)"},
     {0},
 };
 /* clang-format on */
@@ -98,10 +100,23 @@ static int kept(int n, double part, double share, int *first)
     return keep;
 }
 
+/* Leaves out the views of unused tiles. */
+static void leave_out(int n_views, lf_quilt_file *quilt)
+{
+    if (n_views == 0 || n_views >= quilt->layout.n_views)
+        return;
+    quilt->layout.n_views = n_views;
+    if (quilt->is_float)
+        quilt->views32.n_views = n_views;
+    else
+        quilt->views8.n_views = n_views;
+}
+
 void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
 {
     lf_layout *l = &quilt->layout;
     int x, y;
+    leave_out(photo->n_views, quilt);
     if (!(photo->frame > 0))
         return;
     const lf_photo_place place =

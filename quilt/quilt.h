@@ -210,6 +210,7 @@ typedef struct lf_photo {
     lf_turn rotate; /* clockwise; auto: by 90 if one of frame and picture is upright and the other
                      * is not */
     double aspect;  /* width / height of a view in the file; 0: from the files */
+    int n_views;    /* the first views of a quilt that are used; 0, or more than there are: all */
     /* set by the program, not by users: */
     double frame;  /* width / height of the panel or print; 0: none */
     bool on_paper; /* borders within the views of a folder are white */
@@ -252,6 +253,12 @@ LF_NODISCARD lf_status lf_quilt_read_photo(const char *path, const lf_roots *roo
                                            lf_error *err);
 LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
                                      lf_quilt_file *out, lf_error *err);
+/* How lf_quilt_read_photo would cut a picture of this size and pixel shape, which has no pixels
+ * yet: layout, notes and views8 without data, for views one below the other. *out_orientation: of
+ * lf_orient, by which each view is rotated. LF_E_ARG, LF_E_FORMAT. */
+LF_NODISCARD lf_status lf_quilt_plan(const char *path, int columns, int rows, const lf_raster *size,
+                                     const lf_photo *photo, lf_quilt_file *out,
+                                     int *out_orientation, lf_error *err);
 /* Tiles of a picture that is no file by name. */
 typedef struct lf_quilt_tiles {
     int columns, rows; /* 1..LF_MAX_TILES */
@@ -266,7 +273,8 @@ LF_NODISCARD lf_status lf_quilt_tiles_check(const lf_quilt_tiles *tiles, int wid
 LF_NODISCARD lf_status lf_quilt_cut(const lf_raster *picture, const char *name,
                                     const lf_quilt_tiles *tiles, const lf_photo *photo,
                                     lf_quilt_file *out, lf_error *err);
-/* With LF_PHOTO_FILL and a frame: cuts the views to its aspect, in whole pixels, and notes it. */
+/* Leaves out views after the first n_views. With LF_PHOTO_FILL and a frame: cuts the views to its
+ * aspect, in whole pixels, and notes it. */
 void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt);
 void lf_quilt_finish(lf_quilt_file *quilt);
 

@@ -43,7 +43,7 @@ for word in "$@"; do
     esac
     arguments+=("$word")
 done
-case $1 in photos/ | photo.jpg | *_qs*.png) size=1 length=1 ;; esac # a finished image
+case $1 in photos/ | photo.jpg | *_qs*.png | *_rgbd.png | holiday.jpg | album/) size=1 length=1 ;; esac # a finished image
 case "$program $1" in
 quiltd\ *) arguments+=(--threads 1) && [ -n "$device" ] || arguments+=(--device sim:panel) ;;
 quiltrender\ *) [ -n "$length" ] || arguments+=(--passes 1) ;;

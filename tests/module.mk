@@ -74,7 +74,7 @@ $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(pa
 wire_srcs := $(call wild,daemon/wire/*.c)
 
 # a gateway with a quiltd that does not exist
-gateway_srcs := tests/web/gateway.c tests/web/caller.c
+gateway_srcs := tests/web/gateway.c tests/web/false_slideshow.c tests/web/caller.c
 
 # a folder that cannot be read
 wrap_test_library_list := -Wl,--wrap=readdir
@@ -85,6 +85,7 @@ wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 # time that passes when the test says so
 wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 wrap_test_web_clients := $(wrap_test_web_time)
+wrap_test_bridge_time := $(wrap_test_web_time)
 wrap_test_nng := $(wrap_test_web_time)
 
 # clients of all doors, whose time passes in the same way
@@ -104,6 +105,7 @@ wrap_test_states := -Wl,--wrap=lf_renderer_restore
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 
 # waiting that takes no time
+wrap_test_movie_player := -Wl,--wrap=lf_time_now_ns,--wrap=poll,--wrap=ppoll
 wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 
 # a slow disk, saves that come soon
@@ -116,6 +118,7 @@ wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
 # a clock of the test's own
 wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
 wrap_test_playlist := $(wrap_test_play)
+wrap_test_playlist_media := $(wrap_test_play)
 wrap_test_engine_fade := -Wl,--wrap=lf_time_now
 
 # a display, an EEPROM and a udev of the test's own

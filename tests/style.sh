@@ -84,10 +84,11 @@ device/sim: device/device.h device/device_table.h
 device/model: device/usb
 daemon/wire:
 daemon/threads:
-daemon/output:
-daemon/engine: daemon/output daemon/threads
+daemon/media:
+daemon/output: daemon/media
+daemon/engine: daemon/media daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/parts: daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
+daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server daemon/parts/doctor.h
 daemon/web: daemon/output/options.h daemon/wire

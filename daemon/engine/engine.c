@@ -15,6 +15,7 @@ typedef enum next_step {
     NEXT_REQUEST,
     NEXT_CHANGES,
     NEXT_FADE,
+    NEXT_MOVIE,
     NEXT_RENDER,
     NEXT_SETTLE
 } next_step;
@@ -45,18 +46,20 @@ static next_step next_todo(lf_engine *engine)
         return NEXT_CHANGES;
     if (has_come(engine_fade_due_ns(engine)))
         return NEXT_FADE;
+    if (news->movie)
+        return NEXT_MOVIE;
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
 /* True if a frame is to be posted now. */
 static bool is_to_settle(const lf_engine *engine)
 {
-    return !engine->fade.defers && (engine->owed || has_come(engine->frames.again_ns));
+    return !engine->frames.fade.defers && (engine->owed || has_come(engine->frames.again_ns));
 }
 
 static void sleep_now(lf_engine *engine)
 {
-    const uint64_t again = engine->fade.defers ? 0 : engine->frames.again_ns,
+    const uint64_t again = engine->frames.fade.defers ? 0 : engine->frames.again_ns,
                    fade = engine_fade_due_ns(engine);
     const uint64_t until = again > 0 && (fade == 0 || again < fade) ? again : fade;
     if (until > 0)
@@ -83,6 +86,8 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
     } else if (what == NEXT_CHANGES) {
         orders->controls = engine->wanted.controls;
         engine->news.controls = false;
+    } else if (what == NEXT_MOVIE) {
+        engine->news.movie = false;
     }
     if (what == NEXT_REQUEST || what == NEXT_CHANGES) {
         orders->panel = engine->wanted.panel;
@@ -107,6 +112,7 @@ static void end(lf_engine *engine)
 {
     if (!engine->spoiled)
         engine_settle(engine);
+    engine_end_movie(engine);
     engine_publish(engine);
     pthread_mutex_lock(&engine->lock);
     engine->life.ended = true;
@@ -169,6 +175,9 @@ static void *engine_main(void *context)
         case NEXT_FADE:
             engine_fade_step(engine);
             break;
+        case NEXT_MOVIE:
+            engine_take_movie(engine);
+            break;
         case NEXT_RENDER:
             engine_batch(engine);
             break;
@@ -228,6 +237,7 @@ void engine_publish(lf_engine *engine)
     else if (now.state == LF_STATE_RENDERING)
         now.seconds_left = seconds_left(engine);
     pthread_mutex_lock(&engine->lock);
+    engine->lost = engine->movie.lost;
     bool changed = now.state != engine->status.state ||
                    now.generation != engine->status.generation ||
                    now.level != engine->status.level || now.frames != engine->status.frames;
@@ -309,8 +319,8 @@ void lf_engine_destroy(lf_engine *engine)
         pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->lens.interlacer);
     lf_image8_finish(&engine->card.image);
-    lf_image8_finish(&engine->fade.from);
-    lf_image8_finish(&engine->fade.to);
+    lf_image8_finish(&engine->frames.fade.from);
+    lf_image8_finish(&engine->frames.fade.to);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);
     lf_content_unref(engine->content);
@@ -431,6 +441,7 @@ void lf_snapshot_finish(lf_snapshot *snapshot)
 {
     lf_content_unref(snapshot->content);
     lf_free(snapshot->film);
+    lf_free(snapshot->frame);
     lf_free(snapshot->beside);
     *snapshot = (lf_snapshot){0};
 }
@@ -440,6 +451,7 @@ void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *control
     pthread_mutex_lock(&engine->lock);
     engine->wanted.controls = *controls;
     engine->news.controls = true;
+    engine_hold_movie(engine);
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }

@@ -9,6 +9,7 @@
 
 #include "daemon/engine/mailbox.h"
 #include "daemon/engine/states.h"
+#include "daemon/media/player.h"
 #include "daemon/output/blank.h"
 #include "daemon/output/content.h"
 #include "daemon/output/output.h"
@@ -128,10 +129,23 @@ void lf_engine_set_fade(lf_engine *engine, double seconds);
 void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
 lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 
+/* A video that is shown. Its frames are level converged, and its generation stays. */
+typedef struct lf_movie_status {
+    lf_player_status player;
+    uint64_t shown, dropped; /* shown + dropped = player.due, once the last frame is taken */
+} lf_movie_status;
+
+/* False: no video is shown. After a failure the last frame stays (player.failed). event_fd becomes
+ * readable after a failure, at the end of a round, and with every frame. */
+bool lf_engine_get_movie(lf_engine *engine, lf_movie_status *out);
+/* Pauses the video that is shown, if any, or lets it go on. Another content starts unpaused. */
+void lf_engine_pause_movie(lf_engine *engine, bool paused);
+
 /* A copy of the light field at the end of a batch, for exports. */
 typedef struct lf_snapshot {
     lf_content *content; /* a reference */
     float *film;         /* [row][view][column][3]; NULL for a quilt picture */
+    uint8_t *frame;      /* of a video: its views; NULL otherwise */
     float *beside;       /* [row][view][column][layers.n]; NULL: no layers */
     lf_layers32 layers;
     const char *names[LF_MAX_LAYER_CHANNELS];

@@ -17,7 +17,7 @@ static void release(engine_fade *fade)
 
 void engine_fade_end(lf_engine *engine)
 {
-    engine_fade *fade = &engine->fade;
+    engine_fade *fade = &engine->frames.fade;
     fade->runs = fade->defers = false;
     if (!(fade->seconds > 0))
         release(fade);
@@ -25,8 +25,8 @@ void engine_fade_end(lf_engine *engine)
 
 void engine_take_fade(lf_engine *engine, double seconds)
 {
-    engine->fade.seconds = seconds;
-    if (!engine->fade.runs)
+    engine->frames.fade.seconds = seconds;
+    if (!engine->frames.fade.runs)
         engine_fade_end(engine);
 }
 
@@ -34,18 +34,19 @@ void engine_fade_commit(lf_engine *engine, const lf_content *before, const lf_co
 {
     if (before && strcmp(before->file, content->file) == 0)
         return;
-    engine->fade.next = engine->fade.seconds > 0 && !content->is_frame ? ENGINE_FADES : ENGINE_CUTS;
+    engine->frames.fade.next =
+        engine->frames.fade.seconds > 0 && !content->is_frame ? ENGINE_FADES : ENGINE_CUTS;
 }
 
 bool engine_fade_waits(const lf_engine *engine)
 {
-    return engine->fade.next == ENGINE_FADES && engine->now.panel.present &&
+    return engine->frames.fade.next == ENGINE_FADES && engine->now.panel.present &&
            engine->level < LF_LEVEL_COARSE;
 }
 
 uint64_t engine_fade_due_ns(const lf_engine *engine)
 {
-    return engine->fade.runs ? engine->fade.next_ns : 0;
+    return engine->frames.fade.runs ? engine->frames.fade.next_ns : 0;
 }
 
 /* --------------------------------------------------------------------------------- its start -- */
@@ -66,7 +67,7 @@ static lf_status make_room(lf_image8 *image, const lf_image8 *shape)
 /* Begins with the image that was posted last, which may be a mixed one. */
 static void start(lf_engine *engine, const lf_image8 *to)
 {
-    engine_fade *fade = &engine->fade;
+    engine_fade *fade = &engine->frames.fade;
     const lf_frame *last = lf_mailbox_last(engine->mailbox);
     engine_fade_end(engine);
     if (!last || last->card[0] != '\0' || last->panel != engine->now.panel.number ||
@@ -93,7 +94,7 @@ static int weight_now(const engine_fade *fade)
 
 static void mix(lf_engine *engine, lf_frame *frame, int weight)
 {
-    engine_fade *fade = &engine->fade;
+    engine_fade *fade = &engine->frames.fade;
     fade->weight = weight;
     fade->next_ns = lf_time_now_ns() + STEP_NS;
     lf_blend(&fade->from, &fade->to, weight, &frame->image, engine->pool);
@@ -114,7 +115,7 @@ static void keep_head(engine_faded *head, const lf_frame *frame)
 
 void engine_fade_frame(lf_engine *engine, lf_frame *frame)
 {
-    engine_fade *fade = &engine->fade;
+    engine_fade *fade = &engine->frames.fade;
     const bool fits = frame->card[0] == '\0' && frame->level >= LF_LEVEL_COARSE;
     if (fade->next == ENGINE_FADES && fits)
         start(engine, &frame->image);
@@ -135,7 +136,7 @@ void engine_fade_frame(lf_engine *engine, lf_frame *frame)
 static bool lacks_views(const lf_engine *engine)
 {
     const engine_look *look = &engine->look;
-    const engine_faded *head = &engine->fade.head;
+    const engine_faded *head = &engine->frames.fade.head;
     return engine->now.panel.views &&
            (look->views_generation != head->generation || look->views_level != head->level);
 }
@@ -143,8 +144,8 @@ static bool lacks_views(const lf_engine *engine)
 /* Posts the last whole image mixed anew; NULL: out of memory. */
 static lf_frame *begin(lf_engine *engine)
 {
-    const engine_faded *head = &engine->fade.head;
-    const lf_image8 *to = &engine->fade.to;
+    const engine_faded *head = &engine->frames.fade.head;
+    const lf_image8 *to = &engine->frames.fade.to;
     lf_frame *frame = lf_mailbox_begin(engine->mailbox, to->width, to->height);
     if (!frame)
         return NULL;
@@ -161,7 +162,7 @@ static lf_frame *begin(lf_engine *engine)
 
 void engine_fade_step(lf_engine *engine)
 {
-    engine_fade *fade = &engine->fade;
+    engine_fade *fade = &engine->frames.fade;
     const int weight = weight_now(fade);
     const bool waits = lf_mailbox_waiting(engine->mailbox);
     fade->next_ns = lf_time_now_ns() + STEP_NS;

@@ -56,6 +56,7 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
     frame->passes = engine->spent.passes;
     frame->reconstructed = engine->renderer && engine->fit.passes > 0;
     frame->panel = engine->now.panel.number;
+    frame->moves = engine->movie.is_moving;
     return frame;
 }
 
@@ -91,6 +92,8 @@ void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views
     }
     attach_views(engine, frame, views, final);
     engine_fade_limit(frame);
+    frame->counts = engine->movie.is_fresh;
+    engine->movie.is_fresh = false;
     engine->frames.n++;
     engine->frames.cost = lf_time_now() - engine->frames.at;
     engine_publish(engine); /* before the frame, because its receiver may query the status next */

@@ -58,10 +58,19 @@ typedef struct engine_drawn {
     char words[LF_CARD_TEXT];
 } engine_drawn;
 
-/* Which orders have changed. */
+/* Which orders have changed; movie: the video has a frame or other news. */
 typedef struct engine_news {
-    bool controls, panel, card, fade;
+    bool controls, panel, card, fade, movie;
 } engine_news;
+
+/* The video that is shown. */
+typedef struct engine_movie {
+    lf_views8 views; /* of its current frame; data NULL: none */
+    bool is_fresh;   /* views were not posted before */
+    bool is_moving;  /* more frames follow; otherwise it is paused or has ended */
+    bool told;       /* its failure was reported */
+    uint64_t lost;   /* frames that could not be posted */
+} engine_movie;
 
 /* Settings requested by other threads, or in force. */
 typedef struct engine_orders {
@@ -100,8 +109,9 @@ typedef struct engine_fade {
     engine_faded head;   /* of `to` */
 } engine_fade;
 
-/* Counts of posted frames; start and cost of the last one. */
+/* The crossfade and counts of posted frames; start and cost of the last one. */
 typedef struct engine_frames {
+    engine_fade fade;
     uint64_t n, n_before; /* n_before: frames before this content */
     bool has_picture;     /* one of them showed a picture, not a card */
     bool shows;           /* the last frame of this content showed its picture */
@@ -164,6 +174,9 @@ struct lf_engine {
     engine_news news;
     engine_orders wanted;
     lf_engine_status status;
+    lf_player *player; /* of the video that is shown; NULL: none */
+    bool holds_movie;  /* lf_engine_pause_movie */
+    uint64_t lost;     /* movie.lost */
 
     /* owned by the thread; free for all once it has ended */
     engine_orders now;
@@ -183,7 +196,7 @@ struct lf_engine {
     engine_frames frames;
     engine_look look;
     engine_fit fit;
-    engine_fade fade;
+    engine_movie movie;
 };
 
 /* True if there is work to render. */
@@ -228,6 +241,18 @@ uint64_t engine_fade_due_ns(const lf_engine *engine);
 void engine_fade_step(lf_engine *engine);
 /* Ends a crossfade at once. */
 void engine_fade_end(lf_engine *engine);
+/* Pauses the video as requested; under lock. */
+void engine_hold_movie(lf_engine *engine);
+/* Posts a frame of what is shown. final: no other frame follows soon. */
+void engine_post_frame(lf_engine *engine, bool final);
+/* Starts the video of the content that has just been committed, if it is one. */
+void engine_begin_movie(lf_engine *engine);
+/* Ends the video that is shown, if any, before its content is let go. */
+void engine_end_movie(lf_engine *engine);
+/* Shows the newest frame of the video, and reports its failure. */
+void engine_take_movie(lf_engine *engine);
+/* Copies the current frame of the video into a snapshot. */
+lf_status engine_snapshot_movie(const lf_engine *engine, lf_snapshot *out, lf_error *err);
 /* Functions of requests. */
 lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);

@@ -36,7 +36,7 @@ bool engine_has_work(const lf_engine *engine)
 
 static double batch_seconds(const lf_engine *engine)
 {
-    if (engine->fade.runs)
+    if (engine->frames.fade.runs)
         return BATCH_SECONDS_FADE;
     return engine->level < LF_LEVEL_COMPLETE ? BATCH_SECONDS : BATCH_SECONDS_COMPLETE;
 }
@@ -99,7 +99,7 @@ lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank)
     *out_blank = 0;
     if (!engine->content->scene && !engine->content->quilt.is_float) {
         engine->level = LF_LEVEL_CONVERGED;
-        return engine->content->quilt.views8;
+        return engine->content->player ? engine->movie.views : engine->content->quilt.views8;
     }
     int64_t unfilled;
     lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled, out_blank);
@@ -201,11 +201,12 @@ static void note_cost(lf_engine *engine)
     budget->was_complete |= engine->level >= LF_LEVEL_COMPLETE;
 }
 
-static void post_frame(lf_engine *engine, bool final)
+void engine_post_frame(lf_engine *engine, bool final)
 {
     const bool fits = fit_is_due(engine, final);
-    engine->fade.defers = engine->owed = fits && engine->fit.passes > 0 && engine->fade.runs;
-    if (engine->fade.defers)
+    engine->frames.fade.defers = engine->owed =
+        fits && engine->fit.passes > 0 && engine->frames.fade.runs;
+    if (engine->frames.fade.defers)
         return;
     engine->frames.again_ns = 0;
     if (fits && fit(engine, final) != LF_OK)
@@ -302,7 +303,7 @@ void engine_batch(lf_engine *engine)
         update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
-        post_frame(engine, engine->converged);
+        engine_post_frame(engine, engine->converged);
 }
 
 void engine_settle(lf_engine *engine)
@@ -317,7 +318,7 @@ void engine_settle(lf_engine *engine)
     if (engine->owed)
         update_stats(engine, true);
     if (engine->owed || engine->frames.again_ns > 0)
-        post_frame(engine, true);
+        engine_post_frame(engine, true);
 }
 
 /* ----------------------------------------------------------------------------------- changes -- */
@@ -493,7 +494,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
 
 static void start_over(lf_engine *engine)
 {
-    engine->spoiled = engine->converged = engine->fade.defers = false;
+    engine->spoiled = engine->converged = engine->frames.fade.defers = false;
     engine->owed = engine->content && !engine->content->scene;
     engine->level = LF_LEVEL_NONE;
     engine->spent.passes = engine->spent.seconds = 0;
@@ -519,6 +520,7 @@ static void start_schedule(lf_engine *engine)
 static void recover(lf_engine *engine)
 {
     if (!engine->content || set_up(engine, engine->content, NULL) != LF_OK) {
+        engine_end_movie(engine);
         lf_renderer_destroy(engine->renderer);
         engine->renderer = NULL;
         lf_content_unref(engine->content);
@@ -544,16 +546,18 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
     }
     lf_content *before = engine->content;
     engine->look.told_of_cut &= before && strcmp(before->file, content->file) == 0;
+    engine_end_movie(engine);
     engine->content = lf_content_ref(content);
     engine_fade_commit(engine, before, content);
     start_over(engine);
     lf_content_unref(before);
     request->generation = ++engine->generation;
+    engine_begin_movie(engine);
     if (content->scene && engine->states)
         restore(engine, request);
     start_schedule(engine);
     if (request->restored > 0) {
-        post_frame(engine, true);
+        engine_post_frame(engine, true);
         check_converged(engine);
     }
     return LF_OK;
@@ -647,6 +651,10 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
         update_stats(engine, true);
     } else {
         out->source = lf_output_from_quilt(&content->quilt, content->file);
+        lf_status status =
+            content->player ? engine_snapshot_movie(engine, out, request->err) : LF_OK;
+        if (status != LF_OK)
+            return status;
     }
     out->shown_as = is_toned(content) ? engine->picture.film : content->film;
     out->content = lf_content_ref(content);

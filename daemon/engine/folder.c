@@ -9,6 +9,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/file.h"
+#include "daemon/media/movie.h"
 #include "quilt/quilt.h"
 
 static bool is_shown_by_name(const char *name)
@@ -18,7 +19,8 @@ static bool is_shown_by_name(const char *name)
     if (name[0] == '.')
         return false;
     return lf_path_has_ending(name, ".json") ||
-           (lf_image_ending(name) && lf_layout_from_name(name, &columns, &rows, &aspect));
+           ((lf_image_ending(name) || lf_movie_ending(name)) &&
+            lf_layout_from_name(name, &columns, &rows, &aspect));
 }
 
 static int to_show(const struct dirent *entry)

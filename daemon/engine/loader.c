@@ -120,9 +120,11 @@ static lf_status turn_pages(const lf_roots *roots, lf_load *load)
     return status;
 }
 
-/* Loads a picture; named: its name holds the tiles. */
-static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf_content **out)
+/* Loads a picture or a video; named: its name holds the tiles. */
+static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, bool moves,
+                            lf_content **out)
 {
+    const lf_calibration *calibration = load->has_calibration ? &load->calibration : NULL;
     lf_options options = load->options;
     if (load->words.columns > 0) {
         options.columns = load->words.columns;
@@ -131,8 +133,9 @@ static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf
         options.columns = options.rows = 0;
     }
     lf_status status =
-        lf_content_from_quilt(load->file, roots, &options,
-                              load->has_calibration ? &load->calibration : NULL, out, &load->err);
+        moves ? lf_content_from_movie(load->file, roots, &options, load->words.plays_once,
+                                      calibration, out, &load->err)
+              : lf_content_from_quilt(load->file, roots, &options, calibration, out, &load->err);
     /* a caller of a method has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,
@@ -154,8 +157,10 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     /* For a file named like a quilt, report that it is not a picture, rather than that it is not
      * JSON. */
     bool meant = named && dot && strcmp(dot, ".json") != 0;
+    if (lf_movie_ending(load->file) || lf_is_movie(load->file, roots))
+        return load_quilt(roots, load, named, true, out);
     if (meant || lf_is_quilt(load->file, roots))
-        return load_quilt(roots, load, named, out);
+        return load_quilt(roots, load, named, false, out);
     if (load->words.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,
                             "is not an image; quilt=COLUMNSxROWS applies only to images");
@@ -250,6 +255,32 @@ static bool same_settings(const lf_content *a, const lf_content *b)
            (s->features || !t->features);
 }
 
+static bool same_layout(const lf_layout *a, const lf_layout *b)
+{
+    return a->n_views == b->n_views && a->columns == b->columns && a->rows == b->rows &&
+           a->view_width == b->view_width && a->view_height == b->view_height &&
+           a->aspect == b->aspect;
+}
+
+/* Draws a picture with depth for another panel; other finished pictures have the views that they
+ * have, and so has one that came by a descriptor. */
+static lf_status draw_again(const lf_roots *roots, lf_load *load, const lf_content *now,
+                            lf_content **out)
+{
+    lf_options options = load->options;
+    options.standing = now->standing;
+    if (!now->is_rgbd || now->is_passed)
+        return LF_OK;
+    lf_status status =
+        lf_content_from_quilt(now->file, roots, &options,
+                              load->has_calibration ? &load->calibration : NULL, out, &load->err);
+    if (status == LF_OK && !load->force && same_layout(&now->layout, &(*out)->layout)) {
+        lf_content_unref(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
 static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf_load *load,
                               lf_content **out)
 {
@@ -261,7 +292,7 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
     const lf_content *now = loader->content;
     if (load->kind == LF_LOAD_APPLY) {
         if (!now || !now->scene)
-            return LF_OK;
+            return now ? draw_again(roots, load, now, out) : LF_OK;
         lf_status status =
             stage_of_scene(load, lf_scene_ref(now->scene), now->file, out, &load->err);
         if (status == LF_OK && !load->force && same_settings(now, *out)) {

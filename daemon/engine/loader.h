@@ -44,6 +44,7 @@ typedef struct lf_load_words {
     lf_standing standing;
     lf_alone alone;
     lf_sent_quilt quilt; /* the quilt that the client sent with the call */
+    bool plays_once;     /* a video holds its last frame at the end instead of looping */
 } lf_load_words;
 
 /* What a client sent with its call. */

@@ -13,6 +13,8 @@ struct lf_mailbox {
     /* under lock */
     int ready, held, shown; /* slots; -1 = none */
     uint64_t n_posted;
+    int64_t counted; /* generation */
+    lf_mailbox_counts counts;
     bool views_taken; /* the consumer is reading the views buffer */
     /* producer only */
     int back, last; /* slots; -1 = none */
@@ -77,7 +79,8 @@ lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height)
     }
     frame->n_rects = 0;
     frame->against = 0;
-    frame->has_views = frame->sent_views = frame->lacks_views = frame->fades = false;
+    frame->has_views = frame->sent_views = frame->lacks_views = false;
+    frame->fades = frame->moves = frame->counts = false;
     frame->card[0] = '\0';
     return frame;
 }
@@ -146,10 +149,39 @@ const lf_frame *lf_mailbox_last(lf_mailbox *mailbox)
     return mailbox->last >= 0 ? &mailbox->slot[mailbox->last] : NULL;
 }
 
+/* A frame that shows the same picture again takes the place of the one it replaces. */
+static void note_replaced(lf_mailbox *mailbox, lf_frame *frame)
+{
+    const lf_frame *before = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
+    if (!before || !before->counts || before->generation != mailbox->counted)
+        return;
+    if (frame->counts || frame->generation != before->generation)
+        mailbox->counts.replaced++;
+    else
+        frame->counts = true;
+}
+
+void lf_mailbox_count(lf_mailbox *mailbox, int64_t generation)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    mailbox->counted = generation;
+    mailbox->counts = (lf_mailbox_counts){0};
+    pthread_mutex_unlock(&mailbox->lock);
+}
+
+lf_mailbox_counts lf_mailbox_counted(lf_mailbox *mailbox)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    const lf_mailbox_counts counts = mailbox->counts;
+    pthread_mutex_unlock(&mailbox->lock);
+    return counts;
+}
+
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)
 {
     pthread_mutex_lock(&mailbox->lock);
     frame->number = ++mailbox->n_posted;
+    note_replaced(mailbox, frame);
     mailbox->ready = mailbox->back;
     mailbox->last = mailbox->back;
     mailbox->back = -1;
@@ -165,6 +197,8 @@ const lf_frame *lf_mailbox_take(lf_mailbox *mailbox)
         mailbox->held = mailbox->ready;
         mailbox->ready = -1;
         frame = &mailbox->slot[mailbox->held];
+        if (frame->counts && frame->generation == mailbox->counted)
+            mailbox->counts.taken++;
     }
     pthread_mutex_unlock(&mailbox->lock);
     return frame;

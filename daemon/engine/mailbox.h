@@ -33,6 +33,8 @@ typedef struct lf_frame {
     int columns, rows;       /* tiles of its quilt */
     bool fades;              /* mixed with an earlier image; its level is at most coarse */
     uint64_t panel;          /* number of the panel it was interlaced for */
+    bool moves;              /* one of many frames of a video; the next follows soon */
+    bool counts;             /* counted by lf_mailbox_counts */
     lf_image8 image;         /* data NULL: no panel to interlace for */
     uint64_t against;        /* number of the frame that rects were computed against; 0 = none */
     int n_rects;
@@ -66,6 +68,15 @@ const lf_frame *lf_mailbox_waiting(lf_mailbox *mailbox);
 const lf_frame *lf_mailbox_last(lf_mailbox *mailbox);
 /* Posts the frame that begin returned. */
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame);
+
+/* Counts frames of this generation from now on: those that `counts`, by their fate. */
+void lf_mailbox_count(lf_mailbox *mailbox, int64_t generation);
+/* Of them, frames that the consumer took, and frames that a newer one replaced before. Thread:
+ * any. */
+typedef struct lf_mailbox_counts {
+    uint64_t taken, replaced;
+} lf_mailbox_counts;
+lf_mailbox_counts lf_mailbox_counted(lf_mailbox *mailbox);
 
 /* The newest frame that was not taken before, or NULL. It is held until lf_mailbox_shown or the
  * next take. */

@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/sandbox/import_group.h"
 #include "daemon/output/rgbd_views.h"
 
@@ -142,6 +143,31 @@ lf_status lf_content_from_sent_quilt(const char *name, const lf_sent_quilt *sent
     return status;
 }
 
+lf_status lf_content_from_movie(const char *file, const lf_roots *roots, const lf_options *options,
+                                bool plays_once, const lf_calibration *calibration,
+                                lf_content **out_content, lf_error *err)
+{
+    const lf_photo photo = photo_of(options, calibration);
+    lf_player *player;
+    lf_status status = lf_player_create(file, roots, options->columns, options->rows, &photo,
+                                        lf_import_is_stopped, &player, err);
+    if (status != LF_OK)
+        return status;
+    lf_content *content = content_create(file);
+    if (!content) {
+        lf_player_destroy(player);
+        return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
+    }
+    const lf_movie *movie = lf_player_movie(player);
+    lf_player_set_once(player, plays_once);
+    content->player = player;
+    content->quilt.layout = content->layout = movie->layout;
+    content->quilt.notes = movie->notes;
+    lf_log_notes(&content->quilt.notes, file);
+    *out_content = content;
+    return LF_OK;
+}
+
 void lf_content_write_document(lf_content *content)
 {
     if (!content->scene || lf_scene_json_bytes(content->scene) >= LF_CONTENT_MAX_DOCUMENT)
@@ -247,6 +273,7 @@ void lf_content_unref(lf_content *content)
         lf_scene_unref(content->scene);
     else
         lf_quilt_finish(&content->quilt);
+    lf_player_destroy(content->player);
     lf_passed_unref(content->passed);
     json_decref(content->sent);
     lf_free(content->file);

@@ -4,13 +4,15 @@
 #ifndef LF_DAEMON_CONTENT_H
 #define LF_DAEMON_CONTENT_H
 
+#include "daemon/media/player.h"
 #include "daemon/output/options.h"
 #include "daemon/output/sent_quilt.h"
 
 typedef struct lf_content {
     atomic_int references;
     lf_scene *scene;             /* NULL: a quilt picture */
-    lf_quilt_file quilt;         /* when scene is NULL */
+    lf_quilt_file quilt;         /* when scene is NULL; of a video it has only layout and notes */
+    lf_player *player;           /* a video; NULL: none. The engine starts and stops it */
     bool is_rgbd;                /* its views were drawn from a picture with depth */
     lf_standing standing;        /* when scene is NULL: how it stands */
     char *file;                  /* absolute path of its source file; patches do not change it */
@@ -44,6 +46,11 @@ LF_NODISCARD lf_status lf_content_from_sent_quilt(const char *name, const lf_sen
                                                   lf_content **out_content, lf_error *err);
 LF_NODISCARD lf_status lf_content_from_quilt(const char *file, const lf_roots *roots,
                                              const lf_options *options,
+                                             const lf_calibration *calibration,
+                                             lf_content **out_content, lf_error *err);
+/* Opens a video and decodes its first frame; plays_once: it holds its last frame at the end. */
+LF_NODISCARD lf_status lf_content_from_movie(const char *file, const lf_roots *roots,
+                                             const lf_options *options, bool plays_once,
                                              const lf_calibration *calibration,
                                              lf_content **out_content, lf_error *err);
 /* Writes `document`, before other threads see the content. A request for it then only copies a text

@@ -1,28 +1,18 @@
 #include "daemon/output/video.h"
 
-#include <assert.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <poll.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/errno_text.h"
-#include "base/log.h"
-#include "base/spawn.h"
+#include "daemon/media/ffmpeg.h"
 #include "daemon/output/output_internal.h"
 
 #define PROGRAM "ffmpeg"
-#define FILE_FD 3 /* ffmpeg's descriptor of the output file */
 #define LOOK_MS 50
-#define NAP_MS 5
 #define MOST_OF_H264 4096
 #define LOOPS 2 /* repetitions in an MP4 loop, because not every player loops */
 
@@ -123,43 +113,10 @@ lf_status lf_video_check(const lf_video_options *options, const lf_layout *layou
 struct lf_video {
     lf_outfile file;
     const lf_cancel *cancel;
-    pid_t pid; /* 0: it has ended */
-    int pipe;  /* its standard input */
-    int said;  /* its standard error, a memory file */
+    lf_ffmpeg child; /* reads frames from our pipe */
     uint8_t *row;
     bool wiggles, is_gif;
-    int stopped_ms; /* time spent waiting for the stopped process */
-    bool told;      /* the stop was reported */
 };
-
-/* Moves fd above the descriptors that ffmpeg gets. */
-static int raised(int fd)
-{
-    int higher = fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
-    if (fd >= 0)
-        close(fd);
-    return higher;
-}
-
-static int spawn(lf_video *video, int input, int file, const char *const words[])
-{
-    const int fds[FILE_FD + 1] = {input, -1, video->said, file};
-    return lf_spawn(PROGRAM, fds, FILE_FD + 1, words, environ, &video->pid);
-}
-
-/* The words of a command line; too many are a programming error. */
-typedef struct words {
-    int n;
-    const char *list[64];
-} words;
-
-static void add(words *w, const char *const more[])
-{
-    for (; *more; more++) {
-        assert(w->n < (int)(sizeof w->list / sizeof w->list[0]) - 1);
-        w->list[w->n++] = *more;
-    }
-}
 
 /* Codes are sRGB; players treat them as BT.709, so that matrix is used. */
 #define TO_BT709 "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int"
@@ -201,7 +158,7 @@ static void put_filters(const lf_layout *layout, char *out, size_t size)
         snprintf(out + n, size - (size_t)n, ",setsar=%.4g", wide);
 }
 
-static void add_mp4(words *w, const lf_video_options *o, const char *crf)
+static void add_mp4(lf_ffmpeg_words *w, const lf_video_options *o, const char *crf)
 {
     const bool is_265 = o->codec == LF_CODEC_H265;
     const char *const codec[] = {"-c:v",
@@ -229,14 +186,14 @@ static void add_mp4(words *w, const lf_video_options *o, const char *crf)
                                  "-f",
                                  "mp4",
                                  NULL};
-    add(w, codec);
+    lf_ffmpeg_add(w, codec);
 }
 
-static int start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,
-                         int input, int file)
+static lf_status start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,
+                               lf_error *err)
 {
     char size[32], fps[32], crf[16], filters[256];
-    words w = {0};
+    lf_ffmpeg_words w = {0};
     snprintf(size, sizeof size, "%dx%d", layout->columns * layout->view_width,
              layout->rows * layout->view_height);
     if (o->wiggle)
@@ -250,40 +207,16 @@ static int start_program(lf_video *video, const lf_layout *layout, const lf_vide
         "rawvideo", "-pixel_format", "rgb24",        "-video_size", size,    "-framerate", fps,
         "-i",       "pipe:0",        "-an",          "-vf",         filters, NULL};
     const char *const gif[] = {"-loop", "0", "-fflags", "+bitexact", "-f", "gif", NULL};
-    const char *const end[] = {"/dev/fd/3", NULL};
-    add(&w, begin);
+    const char *const end[] = {LF_FFMPEG_FILE, NULL};
+    lf_ffmpeg_add(&w, begin);
     if (video->is_gif)
-        add(&w, gif);
+        lf_ffmpeg_add(&w, gif);
     else
         add_mp4(&w, o, crf);
-    add(&w, end);
-    return spawn(video, input, file, w.list);
-}
-
-static lf_status begin_program(lf_video *video, const lf_layout *layout,
-                               const lf_video_options *options, lf_error *err)
-{
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0)
-        return lf_error_set(err, LF_E_IO, PROGRAM, "cannot create a pipe: %s",
-                            lf_errno_text(errno));
-    int input = raised(ends[0]), file = fcntl(video->file.fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
-    video->pipe = raised(ends[1]);
-    video->said = raised(memfd_create(PROGRAM, MFD_CLOEXEC));
-    int failed = input < 0 || file < 0 || video->pipe < 0 || video->said < 0 ||
-                         fcntl(video->pipe, F_SETFL, O_NONBLOCK) != 0
-                     ? errno
-                     : start_program(video, layout, options, input, file);
-    if (input >= 0)
-        close(input);
-    if (file >= 0)
-        close(file);
-    if (failed == ENOENT)
-        return lf_error_set(err, LF_E_IO, PROGRAM,
-                            "is not in PATH; install the package ffmpeg, which writes videos");
-    return failed
-               ? lf_error_set(err, LF_E_IO, PROGRAM, "cannot be started: %s", lf_errno_text(failed))
-               : LF_OK;
+    lf_ffmpeg_add(&w, end);
+    const lf_ffmpeg_limits none = {0};
+    return lf_ffmpeg_start(PROGRAM, &w, LF_FFMPEG_READS, video->file.fd, &none, "writes videos",
+                           &video->child, err);
 }
 
 static bool is_cancelled(const lf_video *video)
@@ -296,74 +229,20 @@ static lf_status cancelled(const lf_video *video, lf_error *err)
     return lf_error_set(err, LF_E_CANCELLED, video->file.path, "cancelled");
 }
 
-/* Fails if ffmpeg has been stopped by a signal for too long. However slow a machine is, a stopped
- * program makes no progress. Only our own waiting counts, so time in which quiltd itself was
- * stopped does not. */
-static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
+static bool is_over(const void *context)
 {
-    siginfo_t info = {0};
-    if (waitid(P_PID, (id_t)video->pid, &info, WSTOPPED | WNOHANG | WNOWAIT) != 0 ||
-        info.si_pid != video->pid) {
-        video->stopped_ms = 0;
-        return LF_OK;
-    }
-    if (!video->told)
-        lf_log(LF_LOG_WARNING, PROGRAM " is stopped (signal %d); waiting for it to continue",
-               info.si_status);
-    video->told = true;
-    video->stopped_ms += waited_ms;
-    return video->stopped_ms < LF_VIDEO_STOPPED_S * 1000
-               ? LF_OK
-               : lf_error_set(err, LF_E_TIMEOUT, PROGRAM,
-                              "has been stopped (signal %d) for %d s, so the video is abandoned",
-                              info.si_status, LF_VIDEO_STOPPED_S);
-}
-
-/* Judges its exit: success, or an error with the first line of its output. */
-static lf_status judge(const lf_video *video, int ending, lf_error *err)
-{
-    char text[400], how[48];
-    if (WIFEXITED(ending) && WEXITSTATUS(ending) == 0)
-        return LF_OK;
-    ssize_t n = pread(video->said, text, sizeof text - 1, 0);
-    text[n > 0 ? n : 0] = '\0';
-    text[strcspn(text, "\n")] = '\0';
-    if (WIFSIGNALED(ending))
-        snprintf(how, sizeof how, "was ended by signal %d", WTERMSIG(ending));
-    else
-        snprintf(how, sizeof how, "failed (exit status %d)", WEXITSTATUS(ending));
-    return lf_error_set(err, LF_E_IO, PROGRAM, "%s%s%s", how, text[0] ? ": " : "", text);
-}
-
-/* Waits until it has ended; judge() interprets how. */
-static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
-{
-    for (;;) {
-        pid_t got = waitpid(video->pid, out_ending, WNOHANG);
-        if (got == video->pid)
-            break;
-        if (got < 0 && errno != EINTR)
-            return lf_error_set(err, LF_E_IO, PROGRAM, "cannot be waited for: %s",
-                                lf_errno_text(errno));
-        if (is_cancelled(video))
-            return cancelled(video, err);
-        nanosleep(&(struct timespec){.tv_nsec = NAP_MS * 1000000}, NULL);
-        lf_status status = check_stopped(video, NAP_MS, err);
-        if (status != LF_OK)
-            return status;
-    }
-    video->pid = 0;
-    return LF_OK;
+    return is_cancelled(context);
 }
 
 /* Ends the stream of frames and returns ffmpeg's result. */
 static lf_status close_pipe(lf_video *video, lf_error *err)
 {
     int ending = 0;
-    close(video->pipe);
-    video->pipe = -1;
-    lf_status status = await_end(video, &ending, err);
-    return status == LF_OK ? judge(video, ending, err) : status;
+    close(video->child.pipe);
+    video->child.pipe = -1;
+    lf_status status =
+        lf_ffmpeg_await(&video->child, is_over, video, video->file.path, &ending, err);
+    return status == LF_OK ? lf_ffmpeg_judge(&video->child, ending, err) : status;
 }
 
 /* ffmpeg no longer reads: explains why. */
@@ -379,14 +258,15 @@ static lf_status push(lf_video *video, const uint8_t *data, size_t n, lf_error *
     while (n > 0) {
         if (is_cancelled(video))
             return cancelled(video, err);
-        ssize_t done = write(video->pipe, data, n);
+        ssize_t done = write(video->child.pipe, data, n);
         if (done > 0) {
             data += done;
             n -= (size_t)done;
         } else if (done < 0 && errno == EAGAIN) {
-            struct pollfd ready = {video->pipe, POLLOUT, 0};
-            lf_status status =
-                poll(&ready, 1, LOOK_MS) == 0 ? check_stopped(video, LOOK_MS, err) : LF_OK;
+            struct pollfd ready = {video->child.pipe, POLLOUT, 0};
+            lf_status status = poll(&ready, 1, LOOK_MS) == 0
+                                   ? lf_ffmpeg_waited(&video->child, LOOK_MS, err)
+                                   : LF_OK;
             if (status != LF_OK)
                 return status;
         } else if (done < 0 && errno != EINTR) {
@@ -408,13 +288,14 @@ lf_status lf_video_create(const char *path, const lf_layout *layout,
     video->cancel = cancel;
     video->wiggles = options->wiggle;
     video->is_gif = lf_path_has_ending(path, ".gif");
-    video->pipe = video->said = video->file.fd = -1;
+    video->file.fd = -1;
+    video->child = LF_FFMPEG_NONE;
     video->row = lf_calloc((size_t)layout->columns * (size_t)layout->view_width, 3);
     lf_status status = video->row ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK)
         status = lf_outfile_open(&video->file, path, true, err);
     if (status == LF_OK)
-        status = begin_program(video, layout, options, err);
+        status = start_program(video, layout, options, err);
     if (status == LF_OK)
         *out_video = video;
     else
@@ -480,15 +361,7 @@ void lf_video_destroy(lf_video *video)
 {
     if (!video)
         return;
-    if (video->pipe >= 0)
-        close(video->pipe);
-    if (video->pid > 0) {
-        kill(video->pid, SIGKILL);
-        while (waitpid(video->pid, NULL, 0) < 0 && errno == EINTR)
-            ;
-    }
-    if (video->said >= 0)
-        close(video->said);
+    lf_ffmpeg_end(&video->child);
     lf_outfile_abandon(&video->file);
     lf_free(video->row);
     lf_free(video);

@@ -40,9 +40,6 @@ lf_layout lf_video_view_layout(const lf_layout *quilt);
 LF_NODISCARD lf_status lf_video_check(const lf_video_options *options, const lf_layout *layout,
                                       const char *path, const char **out_warning, lf_error *err);
 
-/* How long a video waits for an ffmpeg that a signal has stopped (SIGSTOP), in seconds. */
-#define LF_VIDEO_STOPPED_S 60
-
 typedef struct lf_video lf_video;
 
 /* Defaults of a loop: number of views of a scene, over the middle half of its cone; the middle

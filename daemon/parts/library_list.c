@@ -12,6 +12,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/file.h"
+#include "daemon/media/movie.h"
 #include "daemon/wire/rpc.h"
 #include "quilt/quilt.h"
 #include "render/render.h"
@@ -20,6 +21,7 @@
 #define HEAD_BYTES 16384
 
 #define FOLDER "folder"
+#define ENVIRONMENT "environment"
 
 typedef struct item {
     char *name;
@@ -33,6 +35,7 @@ typedef struct listing {
     const lf_roots *roots;
     const char *folder; /* canonical */
     int fd;             /* of the folder; not owned */
+    bool for_show;      /* files for a slideshow alone */
     item items[LF_LIBRARY_ENTRIES];
     int n;
     bool more;
@@ -54,10 +57,12 @@ static const char *kind_of_name(const char *name)
     int columns, rows;
     double aspect;
     const char *image = lf_image_ending(name);
+    if (lf_movie_ending(name))
+        return "video";
     if (image && lf_layout_from_name(name, &columns, &rows, &aspect))
         return "quilt";
     if (image)
-        return is_float_ending(image) ? "environment" : "image";
+        return is_float_ending(image) ? ENVIRONMENT : "image";
     return lf_path_has_ending(name, ".json") ? "scene" : lf_alone_kind(name);
 }
 
@@ -110,7 +115,8 @@ static bool look_at(const listing *l, const char *name, item *out)
         listed = follow_link(l->roots, path, &st);
     const bool is_folder = listed && S_ISDIR(st.st_mode);
     const char *kind = is_folder ? FOLDER : kind_of_name(name);
-    listed = listed && kind && (is_folder || S_ISREG(st.st_mode));
+    listed = listed && kind && (is_folder || S_ISREG(st.st_mode)) &&
+             !(l->for_show && (is_folder || strcmp(kind, ENVIRONMENT) == 0));
     if (listed && strcmp(kind, "scene") == 0)
         listed = is_scene(l->roots, path);
     lf_free(path);
@@ -257,6 +263,14 @@ static lf_status list_folder(listing *l, const char *folder, const lf_cancel *ca
     return status;
 }
 
+static void destroy(listing *l)
+{
+    for (int i = 0; i < l->n; i++)
+        lf_free(l->items[i].name);
+    lf_free((char *)(uintptr_t)l->folder);
+    lf_free(l);
+}
+
 lf_status lf_library_list_of(const lf_roots *roots, const char *folder, const lf_cancel *cancel,
                              json_t **out, lf_error *err)
 {
@@ -274,9 +288,64 @@ lf_status lf_library_list_of(const lf_roots *roots, const char *folder, const lf
                          "entries", entries, "more", (int)l->more);
         status = *out ? LF_OK : fail_memory(folder ? folder : "", err);
     }
-    for (int i = 0; i < l->n; i++)
-        lf_free(l->items[i].name);
-    lf_free((char *)(uintptr_t)l->folder);
-    lf_free(l);
+    destroy(l);
+    return status;
+}
+
+/* ---------------------------------------------------------------------------- for slideshows -- */
+
+void lf_library_files_finish(lf_library_files *files)
+{
+    for (int i = 0; i < files->n; i++)
+        lf_free(files->path[i]);
+    lf_free((void *)files->path);
+    lf_free(files->folder);
+    *files = (lf_library_files){0};
+}
+
+static bool is_utf8(const char *name)
+{
+    json_t *text = json_string(name);
+    json_decref(text);
+    return text;
+}
+
+static lf_status take_files(const listing *l, lf_library_files *out)
+{
+    *out = (lf_library_files){.folder = lf_strdup(l->folder),
+                              .path = lf_calloc((size_t)l->n + 1, sizeof *out->path),
+                              .more = l->more};
+    for (int i = 0; i < l->n && out->path && out->folder; i++) {
+        if (!is_utf8(l->items[i].name))
+            continue;
+        out->path[out->n] = lf_path_join(l->folder, l->items[i].name);
+        if (!out->path[out->n])
+            return LF_E_NOMEM;
+        out->n++;
+    }
+    return out->path && out->folder ? LF_OK : LF_E_NOMEM;
+}
+
+lf_status lf_library_files_of(const lf_roots *roots, const char *folder, const lf_cancel *cancel,
+                              lf_library_files *out, lf_error *err)
+{
+    lf_library_files files = {0};
+    listing *l = lf_calloc(1, sizeof *l);
+    if (!l)
+        return fail_memory(folder, err);
+    l->roots = roots;
+    l->for_show = true;
+    lf_status status = list_folder(l, folder, cancel, err);
+    if (status == LF_OK && take_files(l, &files) != LF_OK)
+        status = fail_memory(folder, err);
+    if (status == LF_OK && files.n == 0)
+        status = lf_error_set(err, LF_E_FORMAT, folder,
+                              "nothing in the folder can be shown; put pictures, quilts, scenes or "
+                              "models into it");
+    if (status == LF_OK)
+        *out = files;
+    else
+        lf_library_files_finish(&files);
+    destroy(l);
     return status;
 }

@@ -1,5 +1,6 @@
 #include "daemon/parts/play_list.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -13,23 +14,29 @@ struct lf_playlist {
     lf_pace pace;
     lf_playlist_entry *entries; /* owned */
     int n, index;
-    bool playing, loop;
-    bool ended;   /* it has played its last entry */
-    bool wanted;  /* the current entry is to be loaded */
-    bool vain;    /* the load in progress is of an entry that is no longer current */
-    bool loaded;  /* the current entry */
-    bool timed;   /* its time runs … */
-    double since; /* … since then (lf_time_now) */
-    int on_panel; /* the last entry that was loaded while the list is played; -1: none */
-    bool untold;  /* the current entry has changed since the last event `changed` */
-    int step;     /* direction in which entries that fail are skipped */
+    lf_playlist_how how;
+    bool playing, paused;
+    bool ended;    /* it has played its last entry */
+    bool wanted;   /* the current entry is to be loaded */
+    bool vain;     /* the load in progress is of an entry that is no longer current */
+    bool loaded;   /* the current entry … */
+    bool is_movie; /* … which is a video … */
+    bool over;     /* … that has played through while the list was paused */
+    bool timed;    /* its time runs … */
+    double since;  /* … since then (lf_time_now) … */
+    double shown;  /* … or stands still after so many seconds (paused) */
+    int on_panel;  /* the last entry that was loaded while the list is played; -1: none */
+    bool untold;   /* the current entry has changed since the last event `changed` */
+    int step;      /* direction in which entries that fail are skipped */
     int n_failed;
 };
 
 void lf_playlist_entries_free(lf_playlist_entry *entries, int n)
 {
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         lf_free(entries[i].file);
+        json_decref(entries[i].keys);
+    }
     lf_free(entries);
 }
 
@@ -39,8 +46,9 @@ lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
                                .n = playlist->n,
                                .index = playlist->index,
                                .playing = playlist->playing,
-                               .loop = playlist->loop,
-                               .loads = playlist->pace.on_its_way && !playlist->vain};
+                               .paused = playlist->paused,
+                               .loads = playlist->pace.on_its_way && !playlist->vain,
+                               .how = playlist->how};
 }
 
 static void tell(lf_playlist *playlist)
@@ -51,9 +59,24 @@ static void tell(lf_playlist *playlist)
 
 /* ------------------------------------------------------------------------------- its entries -- */
 
+/* -1: none. */
+static int neighbour(const lf_playlist *playlist, int step)
+{
+    const int index = playlist->index + step, n = playlist->n;
+    if (index >= 0 && index < n)
+        return index;
+    return playlist->how.loop ? (index + n) % n : -1;
+}
+
+/* A loop of one entry stays. */
+static bool is_followed(const lf_playlist *playlist)
+{
+    return neighbour(playlist, 1) != playlist->index;
+}
+
 static void halt(lf_playlist *playlist)
 {
-    playlist->playing = playlist->wanted = playlist->timed = false;
+    playlist->playing = playlist->paused = playlist->wanted = playlist->timed = false;
     lf_pace_rest(&playlist->pace);
 }
 
@@ -70,9 +93,10 @@ static void load_wanted(lf_playlist *playlist)
 {
     if (!playlist->wanted || playlist->pace.on_its_way)
         return;
+    const lf_playlist_entry *entry = &playlist->entries[playlist->index];
+    const bool once = playlist->playing && !(entry->seconds > 0) && is_followed(playlist);
     playlist->wanted = false;
-    playlist->pace.on_its_way =
-        playlist->events.due(playlist->context, playlist->entries[playlist->index].file);
+    playlist->pace.on_its_way = playlist->events.due(playlist->context, entry, once);
     if (!playlist->pace.on_its_way)
         halt(playlist);
 }
@@ -81,29 +105,28 @@ static void choose(lf_playlist *playlist, int index)
 {
     playlist->index = index;
     playlist->wanted = true;
-    playlist->loaded = playlist->timed = playlist->ended = false;
+    playlist->loaded = playlist->timed = playlist->over = playlist->ended = false;
     lf_pace_rest(&playlist->pace);
     drop_load(playlist);
     load_wanted(playlist);
 }
 
-/* -1: none. */
-static int neighbour(const lf_playlist *playlist, int step)
-{
-    const int index = playlist->index + step, n = playlist->n;
-    if (index >= 0 && index < n)
-        return index;
-    return playlist->loop ? (index + n) % n : -1;
-}
-
 /* ---------------------------------------------------------------------------------- its time -- */
 
-/* A loop of one entry stays. */
+/* INFINITY: until the video has played through. */
+static double seconds_of(const lf_playlist *playlist)
+{
+    const double own = playlist->entries[playlist->index].seconds;
+    if (own > 0)
+        return own;
+    return playlist->is_movie ? (double)INFINITY : playlist->how.seconds;
+}
+
 static void set_timer(const lf_playlist *playlist)
 {
-    if (neighbour(playlist, 1) != playlist->index)
-        lf_pace_wake_at(&playlist->pace,
-                        playlist->since + playlist->entries[playlist->index].seconds);
+    const double seconds = seconds_of(playlist);
+    if (is_followed(playlist) && !playlist->paused && isfinite(seconds))
+        lf_pace_wake_at(&playlist->pace, playlist->since + seconds);
     else
         lf_pace_rest(&playlist->pace);
 }
@@ -116,6 +139,7 @@ static void start_time(lf_playlist *playlist)
         return;
     playlist->timed = true;
     playlist->since = lf_time_now();
+    playlist->shown = 0;
     set_timer(playlist);
 }
 
@@ -125,18 +149,25 @@ static void end(lf_playlist *playlist)
     playlist->ended = true;
 }
 
-static int on_time(sd_event_source *source, uint64_t usec, void *context)
+/* The current entry was shown as long as it should be. */
+static void go_on(lf_playlist *playlist)
 {
-    lf_playlist *playlist = context;
-    (void)source;
-    (void)usec;
     const int next = neighbour(playlist, 1);
     playlist->step = 1;
+    playlist->n_failed = 0;
+    playlist->entries[playlist->index].told = false;
     if (next >= 0)
         choose(playlist, next);
     else
         end(playlist);
     tell(playlist);
+}
+
+static int on_time(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    go_on(context);
     return 0;
 }
 
@@ -158,18 +189,21 @@ static void tell_failure(lf_playlist *playlist, const lf_error *err)
     entry->told = true;
 }
 
-/* The current entry is loaded, now or by an earlier load. */
+/* The current entry is loaded, now or by an earlier load. A video may fail later, so that it counts
+ * only after its time. */
 static void succeed(lf_playlist *playlist)
 {
     playlist->loaded = true;
     playlist->on_panel = playlist->index;
-    playlist->n_failed = 0;
+    if (!playlist->is_movie)
+        playlist->n_failed = 0;
     playlist->step = 1;
     start_time(playlist);
 }
 
 /* The next entry in the same direction, or at the first one forwards again. One that is still on
- * the panel is not loaded again. A run of entries that fail is told at its end. */
+ * the panel is not loaded again, unless it is a video, which may have ended. A run of entries that
+ * fail is told at its end. */
 static void skip(lf_playlist *playlist)
 {
     int next = neighbour(playlist, playlist->step);
@@ -184,7 +218,7 @@ static void skip(lf_playlist *playlist)
         halt(playlist);
     } else if (next < 0) {
         end(playlist);
-    } else if (playlist->playing && next == playlist->on_panel) {
+    } else if (playlist->playing && next == playlist->on_panel && !playlist->is_movie) {
         playlist->index = next;
         succeed(playlist);
     } else {
@@ -195,7 +229,19 @@ static void skip(lf_playlist *playlist)
         tell(playlist);
 }
 
-void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_error *err)
+static void take_load(lf_playlist *playlist, bool is_movie)
+{
+    playlist->is_movie = is_movie;
+    if (!is_movie)
+        playlist->entries[playlist->index].told = false;
+    succeed(playlist);
+    if (playlist->untold)
+        tell(playlist);
+    load_wanted(playlist); /* it was changed meanwhile */
+}
+
+void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, bool is_movie,
+                        const lf_error *err)
 {
     lf_pace_loaded(&playlist->pace, generation);
     if (playlist->vain) {
@@ -207,10 +253,24 @@ void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_erro
         tell_failure(playlist, err);
         skip(playlist);
     } else {
-        playlist->entries[playlist->index].told = false;
-        succeed(playlist);
-        if (playlist->untold)
-            tell(playlist);
+        take_load(playlist, is_movie);
+    }
+}
+
+void lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err)
+{
+    if (!playlist->playing || !playlist->loaded || !playlist->is_movie ||
+        generation < playlist->pace.generation || playlist->pace.on_its_way)
+        return;
+    if (err) {
+        tell_failure(playlist, err);
+        playlist->on_panel = -1;
+        skip(playlist);
+    } else if (isinf(seconds_of(playlist)) && is_followed(playlist)) {
+        if (playlist->paused)
+            playlist->over = true;
+        else
+            go_on(playlist);
     }
 }
 
@@ -227,13 +287,23 @@ static int find(const lf_playlist_entry *entries, int n, const char *file, int i
     return at < n ? at : -1;
 }
 
-/* The file of the current entry stays, with the new time. */
-static void keep(lf_playlist *playlist, int index)
+/* The file of the current entry stays, with the new time; changed: it is shown in another way. */
+static void keep(lf_playlist *playlist, int index, bool changed)
 {
     playlist->index = index;
     playlist->on_panel = playlist->loaded ? index : -1;
     if (playlist->timed)
         set_timer(playlist);
+    if (changed) {
+        playlist->wanted = true;
+        load_wanted(playlist);
+    }
+}
+
+/* Whether an entry is shown in another way. */
+static bool differs(const json_t *keys, const json_t *others)
+{
+    return keys || others ? !json_equal(keys, others) : false;
 }
 
 static void forget(lf_playlist *playlist)
@@ -245,18 +315,20 @@ static void forget(lf_playlist *playlist)
     playlist->loaded = playlist->ended = false;
 }
 
-void lf_playlist_set(lf_playlist *playlist, lf_playlist_entry *entries, int n, bool loop)
+void lf_playlist_set(lf_playlist *playlist, lf_playlist_entry *entries, int n,
+                     const lf_playlist_how *how)
 {
     const bool playing = playlist->playing;
-    const int same =
-        playing ? find(entries, n, playlist->entries[playlist->index].file, playlist->index) : -1;
+    const lf_playlist_entry *current = playing ? &playlist->entries[playlist->index] : NULL;
+    const int same = playing ? find(entries, n, current->file, playlist->index) : -1;
+    const bool changed = same >= 0 && differs(current->keys, entries[same].keys);
     lf_playlist_entries_free(playlist->entries, playlist->n);
     playlist->entries = entries;
     playlist->n = n;
-    playlist->loop = loop;
+    playlist->how = *how;
     playlist->n_failed = 0;
     if (same >= 0) {
-        keep(playlist, same);
+        keep(playlist, same, changed);
     } else {
         forget(playlist);
         playlist->playing = playing && n > 0;
@@ -264,6 +336,20 @@ void lf_playlist_set(lf_playlist *playlist, lf_playlist_entry *entries, int n, b
             choose(playlist, 0);
     }
     tell(playlist);
+}
+
+void lf_playlist_change(lf_playlist *playlist, int index, double seconds, json_t *keys)
+{
+    lf_playlist_entry *entry = &playlist->entries[index];
+    const bool changed = differs(entry->keys, keys),
+               news = changed || seconds < entry->seconds || seconds > entry->seconds;
+    json_decref(entry->keys);
+    entry->keys = json_incref(keys);
+    entry->seconds = seconds;
+    if (playlist->playing && index == playlist->index)
+        keep(playlist, index, changed);
+    if (news)
+        tell(playlist);
 }
 
 static void show(lf_playlist *playlist, int index, int step)
@@ -285,7 +371,26 @@ void lf_playlist_play(lf_playlist *playlist, int index)
         playlist->on_panel = -1; /* anything may have been shown meanwhile */
     }
     playlist->playing = true;
+    playlist->paused = false;
     show(playlist, index, 1);
+}
+
+void lf_playlist_pause(lf_playlist *playlist, bool paused)
+{
+    if (!playlist->playing || paused == playlist->paused)
+        return;
+    const double now = lf_time_now();
+    playlist->paused = paused;
+    if (paused)
+        playlist->shown = playlist->timed ? now - playlist->since : 0;
+    else
+        playlist->since = now - playlist->shown;
+    if (playlist->timed)
+        set_timer(playlist);
+    if (!paused && playlist->over)
+        go_on(playlist);
+    else
+        tell(playlist);
 }
 
 void lf_playlist_stop(lf_playlist *playlist)
@@ -314,8 +419,11 @@ lf_status lf_playlist_create(sd_event *event, const lf_playlist_events *events, 
     lf_playlist *playlist = lf_calloc(1, sizeof *playlist);
     if (!playlist)
         return LF_E_NOMEM;
-    *playlist = (lf_playlist){
-        .events = *events, .context = context, .loop = true, .on_panel = -1, .step = 1};
+    *playlist = (lf_playlist){.events = *events,
+                              .context = context,
+                              .how = {.seconds = LF_PLAYLIST_SECONDS, .loop = true},
+                              .on_panel = -1,
+                              .step = 1};
     if (lf_pace_init(&playlist->pace, event, on_time, playlist) != LF_OK) {
         lf_free(playlist);
         return LF_E_NOMEM;

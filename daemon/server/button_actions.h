@@ -9,7 +9,7 @@ typedef enum lf_action {
     LF_ACTION_NEXT,     /* the next scene or quilt picture of the folder by name; after the last,
                          * the first. While a playlist plays: its next entry */
     LF_ACTION_PREVIOUS, /* the previous one; before the first, the last */
-    LF_ACTION_PAUSE,    /* pause or resume rendering */
+    LF_ACTION_PAUSE,    /* pause or resume rendering. While a playlist plays: the playlist */
     LF_ACTION_RESET,    /* restore the camera of the scene's file */
     LF_ACTIONS_N,
 } lf_action;

@@ -124,8 +124,9 @@ int lf_param_integer(const json_t *params, const char *key, int absent)
 
 char *lf_server_absolute(const lf_server *server, const char *path)
 {
+    const char *played = server->config.playlist.folder;
     char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
-    char *joined = lf_path_join(folder ? folder : "/", path);
+    char *joined = lf_path_join(folder ? folder : played ? played : "/", path);
     lf_free(folder);
     return joined;
 }

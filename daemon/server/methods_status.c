@@ -79,6 +79,11 @@ static void add_content(const lf_server *server, json_t *status)
                              layout->view_height, "aspect", layout->aspect);
     json_object_update(status, more);
     json_decref(more);
+    if (!content->scene) {
+        json_object_set_new(status, "is_rgbd", json_boolean(content->is_rgbd));
+        json_object_set_new(status, "standing",
+                            lf_param_json(lf_standing_params, &content->standing));
+    }
     if (content->scene) {
         const char *integrator = content->settings.integrator;
         const lf_camera *camera = &content->settings.camera;
@@ -93,6 +98,22 @@ static void add_content(const lf_server *server, json_t *status)
         json_object_set_new(status, "integrator",
                             json_string(integrator ? integrator : lf_integrator_at(0)->name));
     }
+}
+
+/* null: no video is shown. */
+static json_t *video_json(const lf_server *server)
+{
+    lf_movie_status now;
+    if (!server->content || !server->content->player || !lf_engine_get_movie(server->engine, &now))
+        return json_null();
+    const lf_player_status *p = &now.player;
+    return json_pack("{s:o, s:i, s:i, s:f, s:f, s:o, s:I, s:I, s:I, s:b, s:o}", "file",
+                     lf_rpc_text(server->content->file), "width", p->width, "height", p->height,
+                     "fps", p->fps, "seconds", p->seconds, "duration",
+                     p->duration > 0 ? json_real(p->duration) : json_null(), "frame",
+                     (json_int_t)p->frame, "shown", (json_int_t)now.shown, "dropped",
+                     (json_int_t)now.dropped, "paused", (int)p->paused, "problem",
+                     p->failed ? lf_rpc_text(p->err.what) : json_null());
 }
 
 /* null: no such frame yet. */
@@ -166,6 +187,7 @@ void lf_method_status(lf_call *call)
         "uptime", lf_time_now() - server->life.started, "longest_turn", server->life.longest_turn);
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "video", video_json(server));
     json_object_set_new(status, "playlist", lf_server_playlist_json(server));
     if (server->error.status != LF_OK) {
         json_t *answer = lf_rpc_error_of(NULL, &server->error, true);

@@ -49,6 +49,12 @@
         "number of descriptors (SCM_RIGHTS) that come with the call; quiltd writes to them "       \
         "instead of opening file")
 
+/* Of an entry of the slideshow. */
+#define ENTRY_KEYS                                                                                 \
+    KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),                                        \
+        "time from the first frame that is shown (a video once through; others the list's)") ","   \
+    KEY("quilt", STRING, "tiles COLUMNSxROWS of an image or video whose name has no _qs suffix")
+
 static const lf_method methods[] = {
     {"hello", "return version, protocol, methods and notifications", "hello", OBJECT(""),
      lf_method_hello},
@@ -127,14 +133,22 @@ static const lf_method methods[] = {
      lf_method_time_stop},
     {"playlist.set", "replace the entries of the slideshow",
      "playlist.set entries:=[{\"file\":\"/srv/a.png\",\"seconds\":10}]",
-     OBJECT_WITH("\"entries\"",
+     OBJECT(
          KEY("entries", "\"type\":\"array\",\"maxItems\":1000,\"items\":"
-             OBJECT_WITH("\"file\",\"seconds\"",
+             OBJECT_WITH("\"file\"",
                  KEY("file", STRING, "absolute path of a scene, model, volume or image") ","
-                 KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),
-                     "time from the first frame that is shown")),
-             "what to show, in this order: each {file, seconds}; an empty list stops") ","
-         KEY("loop", BOOLEAN("true"), "start again after the last entry")),
+                 ENTRY_KEYS),
+             "what to show, in this order: each {file} and the keys of playlist.change; an empty "
+             "list stops") ","
+         KEY("folder", STRING,
+             "folder whose pictures, quilts, videos, scenes, models and volumes are shown in "
+             "natural order, instead of entries") ","
+         KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400") DEFAULT("10"),
+             "default time of an entry; a video plays once through") ","
+         KEY("loop", BOOLEAN("true"), "start again after the last entry") ","
+         KEY("crossfade", NUMBER("seconds") RANGE("0", "10") DEFAULT("0"),
+             "time in which an image turns into the next one") ","
+         KEY("check", BOOLEAN("false"), "only check the entries, and change nothing")),
      lf_server_playlist_set},
     {"playlist.get", "return the slideshow", "playlist.get", OBJECT(""), lf_server_playlist_get},
     {"playlist.play", "start the slideshow, or go to an entry", "playlist.play index=0",
@@ -143,6 +157,16 @@ static const lf_method methods[] = {
      lf_server_playlist_play},
     {"playlist.stop", "stop the slideshow at the current entry", "playlist.stop", OBJECT(""),
      lf_server_playlist_stop},
+    {"playlist.pause", "pause the slideshow, or let it go on", "playlist.pause paused=true",
+     OBJECT(KEY("paused", BOOLEAN("true"),
+                "true: the entry stays, and a video holds its frame; false: its time goes on")),
+     lf_server_playlist_pause},
+    {"playlist.change", "change keys of an entry of the slideshow",
+     "playlist.change index=0 seconds=20",
+     OBJECT(KEY("index", INTEGER("count") RANGE("0", "999"),
+                "entry to change, from 0 (the current one)") ","
+            ENTRY_KEYS),
+     lf_server_playlist_change},
     {"playlist.next", "show the next entry of the slideshow", "playlist.next", OBJECT(""),
      lf_server_playlist_next},
     {"playlist.previous", "show the previous entry of the slideshow", "playlist.previous",
@@ -269,12 +293,21 @@ static json_t *table_schema(const lf_param *params, bool keeps)
     return schema;
 }
 
+/* What a file looks like in a slideshow, as with scene.load. */
+static const lf_param *const entry_tables[] = {lf_alone_params, lf_photo_params, lf_picture_params,
+                                               lf_standing_params, NULL};
+
 static void add_properties(const char *method, json_t *schema)
 {
+    json_t *properties = json_object_get(schema, "properties"),
+           *items = json_object_get(json_object_get(properties, "entries"), "items");
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         if (strcmp(tables[i].method, method) == 0)
-            json_object_update_new(json_object_get(schema, "properties"),
-                                   table_schema(tables[i].params, tables[i].keeps));
+            json_object_update_new(properties, table_schema(tables[i].params, tables[i].keeps));
+    if (items || strcmp(method, "playlist.change") == 0)
+        for (int i = 0; entry_tables[i]; i++)
+            json_object_update_new(items ? json_object_get(items, "properties") : properties,
+                                   table_schema(entry_tables[i], true));
 }
 
 /* The kinds of export: kinds of pictures, and the daemon's own. */

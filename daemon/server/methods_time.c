@@ -23,9 +23,12 @@ static bool check_moves(lf_call *call)
     lf_error err;
     if (content && content->scene && lf_scene_has_frames(content->scene))
         return true;
-    (void)lf_error_set(&err, LF_E_STATE, content ? content->file : call->method,
-                       content && content->scene ? "the scene has no animation"
-                                                 : "no scene is loaded; call scene.load first");
+    (void)lf_error_set(&err, LF_E_STATE, content ? content->file : call->method, "%s",
+                       !content          ? "no scene is loaded; call scene.load first"
+                       : content->player ? "a video plays by itself; use render.set paused=true "
+                                           "or false"
+                       : content->scene  ? "the scene has no animation"
+                                         : "no scene is loaded; call scene.load first");
     lf_fail(call, &err, false);
     return false;
 }

@@ -49,6 +49,7 @@ static void destroy(lf_server *server)
     lf_waits_destroy(server->waits);
     lf_play_destroy(server->play);
     lf_playlist_destroy(server->gallery.playlist);
+    lf_free(server->gallery.folder.path);
     lf_errands_destroy(server->gallery.checks);
     lf_jobs_destroy(server->jobs);
     lf_previews_destroy(server->gallery.previews);
@@ -103,7 +104,11 @@ static void add_scene_roots(lf_server *server)
 
 static lf_status make_roots(lf_server *server, lf_error *err)
 {
+    const char *played = server->config.playlist.folder;
     server->roots.closed = true;
+    lf_status of_played = played ? lf_roots_add(&server->roots, played, err) : LF_OK;
+    if (of_played != LF_OK)
+        return of_played;
     for (int i = 0; i < server->config.n_allow; i++) {
         lf_status status = lf_roots_add(&server->roots, server->config.allow[i], err);
         if (status != LF_OK)

@@ -3,18 +3,28 @@
 #define LF_DAEMON_SERVER_H
 
 #include "base/paths.h"
+#include "daemon/engine/engine.h"
 #include "daemon/output/options.h"
+#include "daemon/parts/play_list.h"
 #include "daemon/server/button_actions.h"
 
 #define LF_SERVER_WEB_PORT 8033 /* default of --web */
 
+/* --playlist and what belongs to it. */
+typedef struct lf_server_playlist {
+    const char *folder; /* absolute; NULL = none */
+    double seconds;     /* of entries that are no videos */
+    double crossfade;   /* seconds */
+} lf_server_playlist;
+
 typedef struct lf_server_config {
-    const char *scene;       /* as on the command line; NULL = none */
-    const char *socket;      /* --socket; NULL = the default */
-    const char *device;      /* spec */
-    const char *calibration; /* file; NULL = the device's own */
-    const char *state_dir;   /* NULL = none */
-    const char *export_dir;  /* NULL = none */
+    const char *scene;           /* as on the command line; NULL = none */
+    lf_server_playlist playlist; /* instead of a scene */
+    const char *socket;          /* --socket; NULL = the default */
+    const char *device;          /* spec */
+    const char *calibration;     /* file; NULL = the device's own */
+    const char *state_dir;       /* NULL = none */
+    const char *export_dir;      /* NULL = none */
     const char *allow[LF_MAX_ROOTS];
     int n_allow;
     bool watch;

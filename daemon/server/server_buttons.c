@@ -59,8 +59,14 @@ lf_status lf_server_make_presses(lf_server *server)
     return lf_presses_create(&events, server, &server->presses);
 }
 
+/* A playlist that is played takes the place of rendering. */
 static void toggle_pause(lf_server *server)
 {
+    const lf_playlist_state list = lf_playlist_now(server->gallery.playlist);
+    if (list.playing) {
+        lf_playlist_pause(server->gallery.playlist, !list.paused);
+        return;
+    }
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
     controls.paused = !controls.paused;
     lf_engine_set_controls(server->engine, &controls);

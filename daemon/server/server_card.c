@@ -46,7 +46,8 @@ static void say_error(const lf_error *err, char *out, size_t size)
 
 static void find_words(const lf_server *server, char *out, size_t size)
 {
-    const bool loads = server->life.held || lf_loader_pending(server->loader) > 0;
+    const bool loads = server->life.held || lf_loader_pending(server->loader) > 0 ||
+                       lf_errands_count(server->gallery.checks) > 0;
     out[0] = '\0';
     if (server->shown.level >= LF_LEVEL_COARSE || server->life.phase != LF_PHASE_RUNNING)
         return;

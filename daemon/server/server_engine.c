@@ -6,6 +6,7 @@
 #include "base/errno_text.h"
 #include "base/frame_name.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "base/wakeup.h"
 #include "daemon/server/server_internal.h"
 
@@ -20,6 +21,18 @@ static json_t *frame_json(const lf_shown *shown)
     return frame;
 }
 
+/* A video or a crossfade shows more frames than clients need to hear of. When it pauses or ends,
+ * its last frame is shown once more, as one that does not move. */
+#define FRAME_NEWS_S 0.25
+static bool is_worth_telling(lf_server *server, const lf_shown *shown, bool news)
+{
+    const double now = lf_time_now();
+    if (!news && (shown->fades || (shown->moves && now - server->told_of_frame < FRAME_NEWS_S)))
+        return false;
+    server->told_of_frame = now;
+    return true;
+}
+
 void lf_server_shown(lf_server *server, const lf_shown *shown)
 {
     const lf_shown *before = &server->shown;
@@ -28,7 +41,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
         lf_show_calibration(server->show))
         lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
-    if (news || !shown->fades)
+    if (is_worth_telling(server, shown, news))
         lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
         return;
@@ -56,6 +69,7 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
     lf_engine_state before = server->last.state;
     lf_engine_get_status(server->engine, &server->last);
     lf_show_pump(server->show);
+    lf_server_look_at_movie(server);
     lf_jobs_start(server->jobs);
     if (server->last.state != before)
         lf_server_tell_status(server);
@@ -157,6 +171,8 @@ static void load_failed(lf_server *server, const lf_load *load)
         call_failed(server, load);
         return;
     }
+    if (load->job.listed && !server->content && !ended)
+        server->error = load->err; /* for the card */
     if (!load->played && !load->job.listed && !ended) {
         lf_log_error(&load->err);
         server->error = load->err;
@@ -187,10 +203,10 @@ static void on_load_done(void *reader, lf_task *task)
     if (load->played)
         lf_play_loaded(server->play, load->generation, load->status == LF_OK ? NULL : &load->err);
     if (load->job.listed)
-        lf_playlist_loaded(server->gallery.playlist, load->generation,
-                           load->status == LF_OK ? NULL : &load->err);
+        lf_server_entry_loaded(server, load);
     bool browsed = load->job.browsed;
-    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !load->job.listed;
+    const bool listed = load->job.listed;
+    bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed && !listed;
     if (browsed && !lf_server_is_stopping(server))
         lf_presses_browsed(server->presses, load->file);
     if (load->reset && !lf_server_is_stopping(server))
@@ -207,6 +223,8 @@ static void on_load_done(void *reader, lf_task *task)
         lf_server_shutdown(server);
     } else if (plain) {
         lf_server_reloaded(server);
+        lf_server_ready(server);
+    } else if (listed) {
         lf_server_ready(server);
     }
 }
@@ -236,6 +254,10 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
     load->deferred = deferred;
     if (load->kind == LF_LOAD_FILE && deferred) /* a client shows something else */
         lf_playlist_stop(server->gallery.playlist);
+    if (load->kind == LF_LOAD_FILE)
+        lf_engine_set_fade(
+            server->engine,
+            load->job.listed ? lf_playlist_now(server->gallery.playlist).how.crossfade : 0);
     if (server->life.phase != LF_PHASE_OPENING) {
         queue_load(server, load);
         return;
@@ -343,7 +365,9 @@ void lf_server_begin(lf_server *server)
     if (server->life.phase != LF_PHASE_OPENING)
         return;
     server->life.phase = LF_PHASE_RUNNING;
-    if (server->config.scene)
+    if (server->config.playlist.folder)
+        lf_server_begin_playlist(server);
+    else if (server->config.scene)
         load_first(server, server->config.scene);
     else
         lf_server_ready(server);

@@ -81,13 +81,23 @@ typedef struct lf_log_watch {
     int64_t sent; /* number of the last line that was sent */
 } lf_log_watch;
 
+/* The folder that the slideshow's entries are from. */
+typedef struct lf_played_folder {
+    char *path; /* canonical, owned; NULL: none */
+    bool more;  /* it has more files than the slideshow has entries */
+} lf_played_folder;
+
 /* Images and files for clients: server_preview.c, server_library.c, server_playlist.c. */
 typedef struct lf_gallery {
     lf_previews *previews;
     lf_library *library;
     lf_playlist *playlist;
+    lf_played_folder folder;
     lf_errands *checks; /* entries of playlist.set */
     int64_t listed;     /* number of the playlist's last load */
+    bool holds;         /* the video that is shown is paused with the playlist */
+    /* the video's rounds when it was last looked at, and its generation */
+    int64_t rounds, round_of;
 } lf_gallery;
 
 /* The panel that a client's programs use: server_loan.c. */
@@ -144,6 +154,7 @@ struct lf_server {
     lf_error error;        /* error of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
     lf_shown shown;        /* the frame on the panel */
+    double told_of_frame;  /* lf_time_now of the last notification of a frame that moves */
     lf_waits *waits;
     lf_jobs *jobs;
     lf_gallery gallery;
@@ -287,15 +298,49 @@ void lf_server_preview(lf_call *call);
 
 /* LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_make_playlist(lf_server *server);
-/* The methods. playlist.set is answered when the paths of its entries have been checked. */
-void lf_server_playlist_set(lf_call *call);
+/* The methods. */
 void lf_server_playlist_get(lf_call *call);
 void lf_server_playlist_play(lf_call *call);
 void lf_server_playlist_stop(lf_call *call);
+void lf_server_playlist_pause(lf_call *call);
+void lf_server_playlist_change(lf_call *call);
 void lf_server_playlist_next(lf_call *call);
 void lf_server_playlist_previous(lf_call *call);
 /* The playlist as in `status`; null: no entries. */
 json_t *lf_server_playlist_json(const lf_server *server);
+
+/* -------------------------------------------------------------------------- server_entries.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_entries(lf_server *server);
+/* playlist.set; answered when the paths of its entries have been checked, or the folder is
+ * listed. */
+void lf_server_playlist_set(lf_call *call);
+/* Lists the folder of --playlist, and plays it. */
+void lf_server_begin_playlist(lf_server *server);
+/* Lists the folder of a slideshow that plays again; lf_server_reloaded follows. False: it plays no
+ * folder. */
+bool lf_server_reread_playlist(lf_server *server);
+/* The playlist as in answers and notifications; one entry of it. NULL: out of memory. */
+json_t *lf_server_whole_playlist_json(const lf_server *server);
+json_t *lf_server_entry_json(const lf_playlist_entry *entry);
+/* Takes seconds, if given, and the keys of an entry from a JSON object; *entry gets a reference to
+ * keys. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_take_entry(const json_t *from, lf_playlist_entry *entry,
+                                            lf_error *err);
+/* The parameters of the load of an entry. LF_E_ARG: a key is wrong, with its pointer. */
+LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
+                                             const lf_playlist_entry *entry, lf_load_words *words,
+                                             lf_error *err);
+
+/* ---------------------------------------------------------------------------- server_movie.c -- */
+
+/* Pauses the video of an entry with the playlist. Another content starts unpaused. */
+void lf_server_hold_movie(lf_server *server);
+/* The load of an entry has ended. */
+void lf_server_entry_loaded(lf_server *server, const lf_load *load);
+/* The video that is shown may have ended. */
+void lf_server_look_at_movie(lf_server *server);
 
 /* -------------------------------------------------------------------------- server_library.c -- */
 
@@ -342,7 +387,8 @@ const json_t *lf_param_or_former(const json_t *params, const char *name, const c
 /* An integer that the schema has checked, which may be written as 8.0; `absent` without the key. */
 int lf_param_integer(const json_t *params, const char *key, int absent);
 /* The absolute path (lf_free) of a client's path parameter. Relative ones start at the folder of
- * the scene the daemon was started with; quiltctl makes them absolute. NULL: out of memory. */
+ * the scene the daemon was started with, or at --playlist; quiltctl makes them absolute. NULL: out
+ * of memory. */
 char *lf_server_absolute(const lf_server *server, const char *path);
 /* lf_roots_resolve; of a name with a frame number, only the folder must exist. Thread: any. */
 LF_NODISCARD lf_status lf_server_resolve(const lf_roots *roots, const char *name, char **out_path,

@@ -44,7 +44,8 @@ static int on_hangup(sd_event_source *source, const struct signalfd_siginfo *inf
     if (!lf_server_is_stopping(server)) {
         sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRIu64, (uint64_t)(lf_time_now() * 1e6));
         server->life.reloads++;
-        lf_server_reload(server);
+        if (!lf_server_reread_playlist(server))
+            lf_server_reload(server);
     }
     return 0;
 }

@@ -28,6 +28,7 @@ typedef struct lf_shown {
     double passes;
     bool reconstructed;
     bool fades;              /* mixed with an earlier image; its level is at most coarse */
+    bool moves;              /* one of many frames of a video */
     char card[LF_CARD_TEXT]; /* text of a card shown instead of a picture; empty: a picture */
 } lf_shown;
 

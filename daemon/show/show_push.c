@@ -75,7 +75,8 @@ static lf_shown shown_of(const lf_frame *frame)
                       .level = frame->level,
                       .passes = frame->passes,
                       .reconstructed = frame->reconstructed,
-                      .fades = frame->fades};
+                      .fades = frame->fades,
+                      .moves = frame->moves};
     memcpy(shown.card, frame->card, sizeof shown.card);
     return shown;
 }

@@ -70,6 +70,22 @@ static void print_time(const json_t *time, FILE *out)
         print_row(out, "frame", "%d", integer(time, "frame"));
 }
 
+static void print_video(const json_t *video, FILE *out)
+{
+    char length[48] = "";
+    if (!json_is_object(video))
+        return;
+    if (is_number(video, "duration"))
+        snprintf(length, sizeof length, " of %.1f", number(video, "duration"));
+    print_row(out, "position", "%.1f%s s, frame %d at %.4g frames per second%s",
+              number(video, "seconds"), length, integer(video, "frame"), number(video, "fps"),
+              json_is_string(json_object_get(video, "problem")) ? ", stopped"
+              : is_true(video, "paused")                        ? ", paused"
+                                                                : "");
+    print_row(out, "frames", "%.0f shown, %.0f dropped", number(video, "shown"),
+              number(video, "dropped"));
+}
+
 static void print_depth(const json_t *depth, FILE *out)
 {
     char to[40] = " on";
@@ -81,23 +97,35 @@ static void print_depth(const json_t *depth, FILE *out)
               number(depth, "nearest"), number(depth, "farthest"), number(depth, "sharp_from"), to);
 }
 
+static void print_slideshow(const json_t *playlist, FILE *out)
+{
+    const char *file = text(playlist, "file"), *slash = strrchr(file, '/');
+    const char *state = is_true(playlist, "paused")    ? "paused"
+                        : is_true(playlist, "playing") ? "playing"
+                                                       : "stopped";
+    print_row(out, "slideshow", "entry %d of %d, %s, %s", integer(playlist, "index") + 1,
+              integer(playlist, "entries"), slash ? slash + 1 : file, state);
+}
+
 static void print_shown(const json_t *status, FILE *out)
 {
     const json_t *playlist = json_object_get(status, "playlist");
     fprintf(out, "Shown\n");
     if (json_is_string(json_object_get(status, "scene"))) {
-        print_row(out, is_true(status, "is_quilt") ? "image" : "scene", "%s",
-                  text(status, "scene"));
+        print_row(out,
+                  json_is_object(json_object_get(status, "video")) ? "video"
+                  : is_true(status, "is_quilt")                    ? "image"
+                                                                   : "scene",
+                  "%s", text(status, "scene"));
         print_views(status, out);
         print_time(json_object_get(status, "time"), out);
+        print_video(json_object_get(status, "video"), out);
         print_depth(json_object_get(status, "depth_budget"), out);
     } else {
         print_row(out, "scene", "none; quiltctl scene.load file=PATH shows one");
     }
     if (json_is_object(playlist))
-        print_row(out, "slideshow", "entry %d of %d, %s", integer(playlist, "index") + 1,
-                  integer(playlist, "entries"),
-                  is_true(playlist, "playing") ? "playing" : "stopped");
+        print_slideshow(playlist, out);
 }
 
 /* ---------------------------------------------------------------------------------- progress -- */
@@ -202,6 +230,7 @@ static void add_problems(const json_t *status, problems *list)
     size_t i;
     json_t *warning;
     add_problem(list, "error", text(json_object_get(status, "error"), "message"));
+    add_problem(list, "video", text(json_object_get(status, "video"), "problem"));
     add_problem(list, "panel", text(json_object_get(status, "device"), "problem"));
     json_array_foreach(json_object_get(status, "warnings"), i, warning)
     {

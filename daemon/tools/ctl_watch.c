@@ -126,6 +126,33 @@ static void add_panel(const json_t *status, char *line)
     }
 }
 
+/* The entry of a slideshow that is played. */
+static void add_entry(const json_t *playlist, char *line)
+{
+    char words[64];
+    if (!json_is_true(json_object_get(playlist, "playing")))
+        return;
+    snprintf(words, sizeof words, "%sentry %.0f of %.0f, ",
+             json_is_true(json_object_get(playlist, "paused")) ? "paused at " : "",
+             number(playlist, "index") + 1, number(playlist, "entries"));
+    add(line, words);
+}
+
+static void add_video(const json_t *video, char *line)
+{
+    const char *problem = text(video, "problem");
+    char words[160];
+    snprintf(words, sizeof words, ": video at %.1f s%s, %.0f frames shown, %.0f dropped",
+             number(video, "seconds"),
+             json_is_true(json_object_get(video, "paused")) ? " (paused)" : "",
+             number(video, "shown"), number(video, "dropped"));
+    add(line, words);
+    if (problem[0] != '\0') {
+        add(line, "; stopped: ");
+        add(line, problem);
+    }
+}
+
 static void add_state(const json_t *status, char *line)
 {
     const char *state = text(status, "state");
@@ -137,7 +164,13 @@ static void add_state(const json_t *status, char *line)
         add(line, text(json_object_get(status, "error"), "message"));
     } else if (!json_is_string(json_object_get(status, "scene"))) {
         add(line, "no scene");
+    } else if (json_is_object(json_object_get(status, "video"))) {
+        add_entry(json_object_get(status, "playlist"), line);
+        add(line, name_of(status, "scene"));
+        add_video(json_object_get(status, "video"), line);
+        add_panel(status, line);
     } else {
+        add_entry(json_object_get(status, "playlist"), line);
         add(line, name_of(status, "scene"));
         add(line, is_quilt                          ? ": a picture"
                   : strcmp(state, "converged") == 0 ? ": finished"

@@ -17,6 +17,9 @@ enum {
     OPTION_STATE,
     OPTION_ALLOW_PATH,
     OPTION_EXPORT_DIR,
+    OPTION_PLAYLIST,
+    OPTION_SECONDS,
+    OPTION_CROSSFADE,
     OPTION_WATCH,
     OPTION_RUN_FOR,
     OPTION_BUTTONS,
@@ -29,6 +32,9 @@ static const struct option table[] = {
     {"state", required_argument, NULL, OPTION_STATE},
     {"allow-path", required_argument, NULL, OPTION_ALLOW_PATH},
     {"export-dir", required_argument, NULL, OPTION_EXPORT_DIR},
+    {"playlist", required_argument, NULL, OPTION_PLAYLIST},
+    {"seconds", required_argument, NULL, OPTION_SECONDS},
+    {"crossfade", required_argument, NULL, OPTION_CROSSFADE},
     {"watch", no_argument, NULL, OPTION_WATCH},
     {"run-for", required_argument, NULL, OPTION_RUN_FOR},
     {"buttons", required_argument, NULL, OPTION_BUTTONS},
@@ -60,17 +66,24 @@ static void print_help(void)
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
     lf_param_print_help(lf_standing_params, NULL);
-    printf("  --state DIR            keep rendering states in DIR across restarts\n"
-           "  --allow-path DIR       let clients read files below DIR (repeatable)\n"
-           "  --export-dir DIR       let clients write files below DIR\n"
-           "  --buttons LIST         actions of the panel's buttons: none, next, previous, pause "
-           "or reset\n"
-           "                         (square=pause,left=previous,right=next,circle=reset)\n"
-           "  --web[=PORT]           also start quiltweb and print the URL of its page\n"
-           "                         (8033; 0: any free port)\n"
-           "  --watch                reload the scene when its file or an included file changes\n"
-           "  --run-for SECONDS      exit after SECONDS\n" LF_OPTIONS_HELP_LAST
-               LF_OPTIONS_HELP_SHELLS);
+    printf(
+        "  --playlist FOLDER      show the pictures, quilts, videos, scenes and models in FOLDER "
+        "in turn,\n"
+        "                         instead of SCENE\n"
+        "  --seconds N            with --playlist: time of each that is no video (10)\n"
+        "  --crossfade N          with --playlist: seconds in which images turn into each other "
+        "(0)\n"
+        "  --state DIR            keep rendering states in DIR across restarts\n"
+        "  --allow-path DIR       let clients read files below DIR (repeatable)\n"
+        "  --export-dir DIR       let clients write files below DIR\n"
+        "  --buttons LIST         actions of the panel's buttons: none, next, previous, pause "
+        "or reset\n"
+        "                         (square=pause,left=previous,right=next,circle=reset)\n"
+        "  --web[=PORT]           also start quiltweb and print the URL of its page\n"
+        "                         (8033; 0: any free port)\n"
+        "  --watch                reload the scene when its file or an included file changes\n"
+        "  --run-for SECONDS      exit after SECONDS\n" LF_OPTIONS_HELP_LAST
+            LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -89,6 +102,14 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_EXPORT_DIR:
         config->export_dir = text;
         return LF_OK;
+    case OPTION_PLAYLIST:
+        config->playlist.folder = text;
+        return LF_OK;
+    case OPTION_SECONDS:
+        return lf_parse_double("--seconds", text, 0.1, 86400, &config->playlist.seconds, err);
+    case OPTION_CROSSFADE:
+        return lf_parse_double("--crossfade", text, 0, LF_MAX_FADE, &config->playlist.crossfade,
+                               err);
     case OPTION_WATCH:
         config->watch = true;
         return LF_OK;
@@ -110,8 +131,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* The scene's absolute path, whose folder is the base of relative paths. Owned by the caller. */
-static char *absolute_scene(const char *scene)
+/* The absolute path of a scene or a folder. Owned by the caller. */
+static char *absolute(const char *scene)
 {
     char *here = getcwd(NULL, 0);
     char *path = here ? lf_path_join(here, scene) : NULL;
@@ -134,6 +155,24 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
             err, LF_E_ARG, "--quilt",
             "%dx%d has %d tiles, but there are %d views; use a larger --quilt or set --views",
             options->columns, options->rows, tiles, views);
+    return LF_OK;
+}
+
+/* The options of a slideshow belong together. Sets the time of its entries. */
+static lf_status check_playlist(lf_server_playlist *playlist, const char *scene, lf_error *err)
+{
+    const char *lone = playlist->seconds > 0     ? "--seconds"
+                       : playlist->crossfade > 0 ? "--crossfade"
+                                                 : NULL;
+    if (playlist->folder && scene)
+        return lf_error_set(err, LF_E_ARG, scene,
+                            "a scene and --playlist exclude each other; give one of them");
+    if (!playlist->folder && lone)
+        return lf_error_set(err, LF_E_ARG, lone, "needs --playlist FOLDER");
+    if (playlist->folder && playlist->folder[0] == '\0')
+        return lf_error_set(err, LF_E_ARG, "--playlist", "the name of the folder is empty");
+    if (!(playlist->seconds > 0))
+        playlist->seconds = LF_PLAYLIST_SECONDS;
     return LF_OK;
 }
 
@@ -177,14 +216,18 @@ int main(int argc, char *argv[])
     }
     /* An empty operand counts as none: a service's unset variable expands to it. */
     bool has_scene = optind < argc && argv[optind][0] != '\0';
-    char *scene = has_scene ? absolute_scene(argv[optind]) : NULL;
-    if (has_scene && !scene) {
-        lf_log(LF_LOG_ERROR, "%s: cannot find the current folder", argv[optind]);
+    if (check_playlist(&config.playlist, has_scene ? argv[optind] : NULL, &err) != LF_OK)
+        return lf_usage_error(PROGRAM, &err);
+    const char *shown = has_scene ? argv[optind] : config.playlist.folder;
+    char *path = shown ? absolute(shown) : NULL;
+    if (shown && !path) {
+        lf_log(LF_LOG_ERROR, "%s: cannot find the current folder", shown);
         return LF_EXIT_FAILED;
     }
-    config.scene = scene;
+    config.scene = has_scene ? path : NULL;
+    config.playlist.folder = has_scene ? NULL : path;
     config.calibration = config.options.calibration;
     int code = lf_server_run(&config);
-    lf_free(scene);
+    lf_free(path);
     return code;
 }

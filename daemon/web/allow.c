@@ -26,6 +26,8 @@ static const struct allowed {
     {.method = "playlist.get"},
     {.method = "playlist.play"},
     {.method = "playlist.stop"},
+    {.method = "playlist.pause"},
+    {.method = "playlist.change"},
     {.method = "playlist.next"},
     {.method = "playlist.previous"},
     {.method = "device.list"},

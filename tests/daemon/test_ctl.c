@@ -38,6 +38,12 @@ static void the_line_of_watch_says_what_a_person_wants_to_know(void **state)
     json_object_set_new(status, "generation", json_integer(4));
     assert_string_equal(line_of(status), "fog.json: rendering, 12 s, 34 passes, error 1, about "
                                          "33.3 h left to 0.0001; not on the panel yet");
+    status = rendering("converged", json_null(), 0.01, json_null());
+    json_object_set_new(
+        status, "playlist",
+        json_pack("{s:i, s:i, s:b, s:b}", "index", 1, "entries", 5, "playing", 1, "paused", 1));
+    assert_string_equal(line_of(status), "paused at entry 2 of 5, fog.json: finished, 12 s, 34 "
+                                         "passes; on the panel: complete");
     assert_string_equal(line_of(json_pack("{s:s, s:n}", "state", "idle", "scene")), "no scene");
     assert_string_equal(line_of(json_pack("{s:s, s:{s:s}}", "state", "error", "error", "message",
                                           "fog.json:3: bad")),
@@ -73,7 +79,8 @@ static json_t *full_status(int n_warnings)
         "\"time\":{\"frame\":3,\"playing\":true,\"from\":1,\"to\":48,\"fps\":24.0},"
         "\"depth_budget\":{\"nearest\":10.5,\"farthest\":13.5,\"sharp_from\":8.0,\"sharp_to\":25.8}"
         ","
-        "\"playlist\":{\"index\":1,\"entries\":5,\"playing\":false},\"seconds\":12.0,\"passes\":34."
+        "\"playlist\":{\"index\":1,\"entries\":5,\"playing\":true,\"paused\":true,"
+        "\"file\":\"/a/b.png\"},\"seconds\":12.0,\"passes\":34."
         "2,"
         "\"spp\":102.0,\"error_estimate\":0.02,\"denoised_error\":0.01,\"target_error\":0.001,"
         "\"seconds_left\":240.0,\"load\":{\"file\":\"/a/b.json\"},"
@@ -103,7 +110,7 @@ static void status_is_one_screen(void **state)
                               "  views      45 of 420x560 pixels, 5x9 tiles, cone 35 degrees\n"
                               "  frame      3, playing 1 to 48 at 24 frames per second\n"
                               "  depth      objects from 10.5 to 13.5, sharp from 8 to 25.8\n"
-                              "  slideshow  entry 2 of 5, stopped\n"
+                              "  slideshow  entry 2 of 5, b.png, paused\n"
                               "Progress\n"
                               "  state      rendering, denoised\n"
                               "  so far     12 s, 34.2 passes, 102 samples per pixel\n"
@@ -194,14 +201,15 @@ static void doctor_ends_with_the_number_of_problems(void **state)
 }
 
 /* stdout of quiltctl with these words. */
+/* Until the next call. */
 static const char *said(const char *words, int *out_code)
 {
+    static char text[1 << 14];
     char command[2 * PATH_MAX];
-    char *text = lf_test_buffer();
     snprintf(command, sizeof command, "%s %s 2>&1", lf_test_built("quiltctl"), words);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
-    text[fread(text, 1, PATH_MAX - 1, pipe)] = '\0';
+    text[fread(text, 1, sizeof text - 1, pipe)] = '\0';
     while (fgetc(pipe) != EOF)
         continue;
     *out_code = WEXITSTATUS(pclose(pipe));

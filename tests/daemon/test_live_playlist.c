@@ -1,125 +1,6 @@
 /* A slideshow through a running daemon: in which order files are shown, what ends it, and what is
  * refused. Nothing here asserts how long an entry is shown. */
-#include "tests/daemon/live.h"
-
-#include "base/image_io.h"
-
-/* The time of an entry that is not to end. */
-#define LONG 86400.0
-
-typedef struct hall {
-    live l;
-    live_client c, watcher; /* the watcher hears of scenes and the playlist */
-    char scene[PATH_MAX / 4];
-} hall;
-
-static const char *within(const hall *h, const char *name)
-{
-    return lf_test_path(h->scene, name);
-}
-
-static void write_picture(const char *path)
-{
-    lf_image8 image = {0};
-    lf_outfile file;
-    lf_error err;
-    lf_assert_ok(lf_image8_init(&image, 48, 64, 3), NULL);
-    lf_assert_ok(lf_outfile_open(&file, path, true, &err), &err);
-    lf_assert_ok(lf_png_write(&file, &image, 1, NULL, 0, &err), &err);
-    lf_assert_ok(lf_outfile_commit(&file, true, &err), &err);
-    lf_image8_finish(&image);
-}
-
-/* Three pictures, of which one is a quilt, a damaged one, and a scene. */
-static void begin(hall *h)
-{
-    live_prepare(&h->l);
-    snprintf(h->scene, sizeof h->scene, "%s/scene", h->l.folder);
-    write_picture(within(h, "a.png"));
-    write_picture(within(h, "b_qs2x2.png"));
-    write_picture(within(h, "c.png"));
-    lf_test_write(h->scene, "bad.png", "x");
-    lf_test_write(h->scene, "worse.png", "x");
-    live_start(&h->l, NULL, "--device", h->l.sim, "--allow-path", h->scene, NULL);
-    live_connect(&h->l, &h->c);
-    live_connect(&h->l, &h->watcher);
-    assert_int_equal(
-        live_code(&h->watcher, "subscribe", json_pack("{s:[s,s]}", "events", "scene", "playlist")),
-        0);
-}
-
-static void end(hall *h)
-{
-    live_close(&h->c);
-    live_close(&h->watcher);
-    live_finish(&h->l);
-}
-
-/* names: file names with blanks in between; seconds: of each. */
-static json_t *entries_of(const hall *h, const char *names, double seconds)
-{
-    json_t *entries = json_array();
-    char text[256], *rest = text;
-    snprintf(text, sizeof text, "%s", names);
-    for (const char *name; (name = strsep(&rest, " "));)
-        json_array_append_new(entries,
-                              json_pack("{s:s, s:f}", "file", within(h, name), "seconds", seconds));
-    return entries;
-}
-
-static void set(hall *h, const char *names, double seconds, bool loop)
-{
-    json_t *params =
-        json_pack("{s:o, s:b}", "entries", entries_of(h, names, seconds), "loop", (int)loop);
-    assert_int_equal(live_code(&h->c, "playlist.set", params), 0);
-}
-
-/* The next notification of this name. */
-static json_t *next_told(hall *h, const char *method)
-{
-    for (;;) {
-        json_t *message = live_receive(&h->watcher);
-        assert_non_null(message);
-        if (strcmp(json_string_value(json_object_get(message, "method")), method) == 0)
-            return message;
-        json_decref(message);
-    }
-}
-
-/* The next scene that is shown is this file, with the next generation. */
-static void assert_shown(hall *h, const char *name, int generation)
-{
-    json_t *message = next_told(h, "scene");
-    const json_t *params = json_object_get(message, "params");
-    assert_string_equal(json_string_value(json_object_get(params, "file")), within(h, name));
-    assert_int_equal(json_integer_value(json_object_get(params, "generation")), generation);
-    json_decref(message);
-}
-
-static json_t *slideshow(hall *h)
-{
-    json_t *answer = live_call(&h->c, "status", NULL);
-    json_t *now = json_incref(json_object_get(json_object_get(answer, "result"), "playlist"));
-    assert_non_null(now);
-    json_decref(answer);
-    return now;
-}
-
-static bool is_playing(hall *h)
-{
-    json_t *now = slideshow(h);
-    bool playing = json_is_true(json_object_get(now, "playing"));
-    json_decref(now);
-    return playing;
-}
-
-static int index_now(hall *h)
-{
-    json_t *now = slideshow(h);
-    int index = (int)json_integer_value(json_object_get(now, "index"));
-    json_decref(now);
-    return index;
-}
+#include "tests/daemon/hall.h"
 
 static void pictures_and_a_scene_come_in_turn(void **state)
 {
@@ -251,21 +132,6 @@ static void next_and_previous_step_while_it_is_stopped(void **state)
     end(&h);
 }
 
-/* The answer is an error with this code, pointer and text. */
-static void assert_refused(hall *h, const char *method, json_t *params, int code,
-                           const char *pointer, const char *why)
-{
-    json_t *answer = live_call(&h->c, method, params);
-    const json_t *error = json_object_get(answer, "error");
-    const char *text = json_string_value(json_object_get(error, "message")),
-               *at = json_string_value(json_object_get(json_object_get(error, "data"), "pointer"));
-    assert_int_equal(json_integer_value(json_object_get(error, "code")), code);
-    assert_string_equal(at ? at : "", pointer);
-    if (!text || !strstr(text, why))
-        fail_msg("\"%s\" does not say \"%s\"", text ? text : "", why);
-    json_decref(answer);
-}
-
 static json_t *one_more(const hall *h, const char *file)
 {
     json_t *entries = entries_of(h, "a.png c.png", LONG);
@@ -298,6 +164,15 @@ static void entries_are_checked_and_a_wrong_one_changes_nothing(void **state)
                             json_loads(wrong[i], JSON_DECODE_ANY, NULL));
         assert_refused(&h, "playlist.set", params, -32602, "/entries/0/seconds", "");
     }
+    json_t *checked =
+        json_pack("{s:o, s:b}", "entries", entries_of(&h, "a.png c.png", 1), "check", 1);
+    json_t *answer = live_call(&h.c, "playlist.set", json_incref(checked));
+    assert_int_equal(json_array_size(json_object_get(json_object_get(answer, "result"), "entries")),
+                     2);
+    json_decref(answer);
+    json_array_append_new(json_object_get(checked, "entries"),
+                          json_pack("{s:s}", "file", within(&h, "missing.png")));
+    assert_refused(&h, "playlist.set", checked, -32002, "/entries/2/file", "No such file");
     assert_refused(&h, "playlist.play", json_pack("{s:i}", "index", 1), -32602, "/index",
                    "there is no entry 1");
     json_t *now = slideshow(&h);

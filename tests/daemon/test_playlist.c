@@ -1,162 +1,6 @@
 /* The slideshow without a server, by a clock of the test's own (wrap_test_playlist): which files
  * are asked for, and when. */
-#include "tests/testing.h"
-
-#include "base/alloc.h"
-#include "base/log.h"
-#include "daemon/parts/play_list.h"
-#include "tests/daemon/own_clock.h"
-
-typedef struct owner {
-    sd_event *event;
-    lf_playlist *list;
-    char asked[16]; /* asked for last, and not looked at yet; "": nothing */
-    bool on_its_way, refuses;
-    int n_vain, n_changed;
-    int64_t generation;
-} owner;
-
-static bool on_due(void *context, const char *file)
-{
-    owner *o = context;
-    assert_string_equal(o->asked, "");
-    assert_false(o->on_its_way); /* one at a time */
-    if (o->refuses)
-        return false;
-    snprintf(o->asked, sizeof o->asked, "%s", file);
-    o->on_its_way = true;
-    return true;
-}
-
-static void on_vain(void *context)
-{
-    owner *o = context;
-    assert_true(o->on_its_way);
-    o->n_vain++;
-}
-
-static void on_changed(void *context)
-{
-    owner *o = context;
-    o->n_changed++;
-}
-
-static int set_up(void **state)
-{
-    static const lf_playlist_events events = {
-        .due = on_due, .vain = on_vain, .changed = on_changed};
-    owner *o = *state = calloc(1, sizeof *o);
-    assert_non_null(o);
-    clock_now = 1000;
-    woken_in = -1;
-    assert_true(sd_event_new(&o->event) >= 0);
-    lf_assert_ok(lf_playlist_create(o->event, &events, o, &o->list), NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    owner *o = *state;
-    lf_playlist_destroy(o->list);
-    sd_event_unref(o->event);
-    free(o);
-    return 0;
-}
-
-/* Each letter is a file; entry i is shown for 1 + i seconds. */
-static void set(owner *o, const char *files, bool loop)
-{
-    const int n = (int)strlen(files);
-    lf_playlist_entry *entries = lf_calloc((size_t)n + 1, sizeof *entries);
-    assert_non_null(entries);
-    for (int i = 0; i < n; i++) {
-        const char name[2] = {files[i], '\0'};
-        entries[i] = (lf_playlist_entry){.file = lf_strdup(name), .seconds = 1 + i};
-    }
-    lf_playlist_set(o->list, entries, n, loop);
-}
-
-/* The file that was asked for since the last look. */
-static const char *asked(owner *o)
-{
-    char *file = lf_test_buffer();
-    snprintf(file, 16, "%s", o->asked);
-    o->asked[0] = '\0';
-    return file;
-}
-
-static void load(owner *o)
-{
-    assert_true(o->on_its_way);
-    o->on_its_way = false;
-    lf_playlist_loaded(o->list, ++o->generation, NULL);
-}
-
-static void fail_load(owner *o)
-{
-    lf_error err;
-    (void)lf_error_set(&err, LF_E_FORMAT, "file", "is damaged");
-    assert_true(o->on_its_way);
-    o->on_its_way = false;
-    lf_playlist_loaded(o->list, 0, &err);
-}
-
-static void show(owner *o, lf_level level)
-{
-    lf_playlist_shown(o->list, o->generation, level);
-}
-
-/* Expects this file, and shows it. */
-static void shows(owner *o, const char *file)
-{
-    assert_string_equal(asked(o), file);
-    load(o);
-    show(o, LF_LEVEL_COARSE);
-}
-
-/* Expects this file, which is damaged. */
-static void fails(owner *o, const char *file)
-{
-    assert_string_equal(asked(o), file);
-    fail_load(o);
-}
-
-/* The timer that was set; negative: none. */
-static double timer(void)
-{
-    double seconds = woken_in;
-    woken_in = -1;
-    return seconds;
-}
-
-/* Waits for the timer, which must be this long. */
-static void wait_for(owner *o, double seconds)
-{
-    double in = timer();
-    lf_assert_close(in, seconds, 0, 1e-5);
-    clock_now += in;
-    assert_true(sd_event_run(o->event, 0) >= 0);
-}
-
-static bool is_playing(const owner *o)
-{
-    return lf_playlist_now(o->list).playing;
-}
-
-static int index_of(const owner *o)
-{
-    return lf_playlist_now(o->list).index;
-}
-
-/* The log's lines with this text since the start of the program. */
-static int count_lines(const char *text)
-{
-    lf_log_line line;
-    int n = 0;
-    for (int64_t i = 1; i <= lf_log_last(); i++)
-        n += lf_log_line_at(i, &line) && strstr(line.text, text);
-    return n;
-}
+#include "tests/daemon/playlist_owner.h"
 
 static void entries_come_in_turn_each_for_its_time(void **state)
 {
@@ -388,6 +232,10 @@ static void what_is_on_the_panel_is_not_loaded_again(void **state)
     lf_playlist_stop(o->list);
     fail_load(o);
     assert_string_equal(asked(o), "x");
+    lf_playlist_play(o->list, 0);
+    fails(o, "x");
+    shows(o, "a");
+    lf_playlist_stop(o->list);
     set(o, "xay", true);
     lf_playlist_play(o->list, 0);
     fails(o, "x");
@@ -565,8 +413,6 @@ static void play_goes_on_or_to_an_entry(void **state)
     assert_string_equal(asked(o), "c");
     assert_int_equal(o->n_changed, n + 1);
 }
-
-#define list_test(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
 
 int main(void)
 {

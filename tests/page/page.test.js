@@ -309,7 +309,7 @@ describe("the other tabs", () => {
       assert.equal(await at("#panel-slideshow").getByRole("button", { name, exact: true }).isEnabled(), false);
     await tab("library");
     await at('#entries [data-kind="folder"]').first().click();
-    const add = at("#entries .add").first();
+    const add = at("#entries .add:not(.whole)").first();
     for (let n = 1; n <= 3; n++) {
       await add.click();
       await until(async () => (await quiltd.q.call("playlist.get")).entries.length === n);
@@ -335,6 +335,29 @@ describe("the other tabs", () => {
       await at("#slides .remove").first().click();
       await until(async () => (await slides()).length === n);
     }
+    assert.equal(await notice(), "");
+  });
+
+  step("play a folder with crossfades, pause it, and say which entry is shown", async () => {
+    const list = () => quiltd.q.call("playlist.get");
+    await tab("library");
+    await at("#entries .path button, .path button").first().click();
+    await at("#entries .whole").first().click();
+    await until(async () => (await list()).playing);
+    assert.ok((await list()).folder);
+    await tab("slideshow");
+    const panel = at("#panel-slideshow");
+    await panel.getByRole("button", { name: "Pause" }).click();
+    await until(async () => (await list()).paused);
+    await until(async () => /Entry \d+ of \d+: .+, paused/.test(await panel.textContent()));
+    const fade = panel.getByLabel("Seconds of a crossfade");
+    await fade.fill("2");
+    await fade.press("Enter");
+    await until(async () => (await list()).crossfade === 2);
+    await panel.getByRole("button", { name: "Go on" }).click();
+    await until(async () => !(await list()).paused);
+    await panel.getByRole("button", { name: "Stop" }).click();
+    await until(async () => !(await list()).playing);
     assert.equal(await notice(), "");
   });
 });

@@ -5,19 +5,20 @@ const KINDS = [
   ["volume", /\.vdb$/i],
   ["environment", /\.(hdr|exr)$/i],
   ["scene", /\.json$/i],
+  ["video", /\.(mp4|m4v|mov|webm|mkv|avi|gif)$/i],
   ["image", /\.(png|jpe?g)$/i],
 ];
 const QUILT = /_qs(\d+)x(\d+)(?:a[\d.]+)?\.\w+$/i;
 
-/** model, volume, environment, scene, quilt, image or undefined: a file that belongs to another. */
+/** model, volume, environment, scene, quilt, video, image or undefined: a file that belongs to another. */
 export function kindOf(name) {
-  if (QUILT.test(name) && !/\.json$/i.test(name)) return "quilt";
-  return KINDS.find(([, ending]) => ending.test(name))?.[0];
+  const kind = KINDS.find(([, ending]) => ending.test(name))?.[0];
+  return QUILT.test(name) && kind !== "scene" && kind !== "video" ? "quilt" : kind;
 }
 
 /** The file that the others belong to: a scene, else a model, and so on. */
 export function mainOf(names) {
-  const order = ["scene", "model", "volume", "quilt", "environment", "image"];
+  const order = ["scene", "model", "volume", "quilt", "video", "environment", "image"];
   const rank = (name) => order.indexOf(kindOf(name));
   return names.filter(kindOf).sort((a, b) => rank(a) - rank(b))[0];
 }

@@ -17,6 +17,7 @@ const KIND_WORDS = {
   volume: "volume",
   environment: "light",
   quilt: "quilt",
+  video: "video",
   image: "photo",
 };
 
@@ -168,7 +169,7 @@ export class Library {
       about,
     );
     const item = make("li", {}, open);
-    if (this.slideshow && kind !== "folder" && kind !== "environment")
+    if (this.slideshow && kind !== "environment")
       this.#makeMovable(item, open, entry, about);
     return item;
   }
@@ -180,16 +181,22 @@ export class Library {
       event.dataTransfer.setData("application/x-quiltd", JSON.stringify(entry)),
     );
     item.append(
-      button("Add", () => this.#add(entry, about), {
-        class: "quiet add",
-        "aria-label": `Add ${entry.name} to the slideshow`,
-      }),
+      entry.kind === "folder"
+        ? button("Play", () => this.#add(entry, about), {
+            class: "quiet add whole",
+            "aria-label": `Play ${entry.name} as a slideshow`,
+          })
+        : button("Add", () => this.#add(entry, about), {
+            class: "quiet add",
+            "aria-label": `Add ${entry.name} to the slideshow`,
+          }),
     );
   }
 
   async #add(entry, about) {
     const list = await this.#queue(entry);
-    if (list) about.textContent = `added, ${count(list.entries.length, "entry", "entries")}`;
+    const words = count(list?.entries.length, "entry", "entries");
+    if (list) about.textContent = entry.kind === "folder" ? `plays ${words}` : `added, ${words}`;
   }
 
   async #choose({ name, path, kind }) {

@@ -215,7 +215,7 @@ class Page {
     at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
     notify("scene", status.error?.message);
-    for (const part of [this.stage, this.picture, this.exports, this.health])
+    for (const part of [this.stage, this.picture, this.slideshow, this.exports, this.health])
       part.status(status, settings, left);
   }
 }

@@ -1,16 +1,23 @@
-// The tab Slideshow: scenes, models and quilts that follow each other.
+// The tab Slideshow: scenes, models, quilts and videos that follow each other.
 
 import { button, heading, labelled, make } from "./dom.js";
 import { scrub } from "./scrub.js";
+import { fileName } from "./words.js";
 
 const SECONDS = { minimum: 1, maximum: 86400 };
+const FADE = { minimum: 0, maximum: 10 };
 const USUAL_SECONDS = 20;
+
+// Calls send when a gesture at a number has ended.
+const settled = ({ element }, send) =>
+  ["pointerup", "change", "keyup"].forEach((type) => element.addEventListener(type, send));
 
 export class Slideshow {
   #rpc;
   #fail;
   #list = { entries: [], index: 0, playing: false, loop: true };
   #dragged; // index of the row that is dragged
+  #told = 0; // crossfade that quiltd has
   #focus; // key of the button that follows its row to another place
   element = make("div");
 
@@ -27,6 +34,19 @@ export class Slideshow {
     );
     const step = (text, method) => button(text, () => this.#call(method), { disabled: true });
     this.steps = [step("Previous", "playlist.previous"), step("Next", "playlist.next")];
+    this.pause = button("Pause", () =>
+      this.#call("playlist.pause", { paused: !this.#list.paused }),
+    );
+    this.fade = scrub({
+      label: "Seconds of a crossfade",
+      range: FADE,
+      commit: (value) => (this.#list.crossfade = value),
+    });
+    settled(
+      this.fade,
+      () => this.#list.crossfade !== this.#told && this.#set(this.#list.entries),
+    );
+    this.now = make("p", { class: "hint", role: "status" });
     this.empty = make(
       "p",
       { class: "hint" },
@@ -41,12 +61,15 @@ export class Slideshow {
           "div",
           { class: "answers" },
           this.play,
+          this.pause,
           ...this.steps,
         ),
+        this.now,
         labelled("Start again at the end", this.loop),
+        labelled("Crossfade in s", this.fade.element),
         this.rows,
         this.empty,
-        make("p", { class: "hint" }, "The seconds of an entry count from its first image on."),
+        make("p", { class: "hint" }, "The seconds of an entry count from its first image on. A video without them plays once."),
       ),
     );
     this.accept(this.element);
@@ -59,9 +82,25 @@ export class Slideshow {
     return known;
   }
 
-  /** @returns a promise of the list with the entry; undefined: refused */
-  add({ path }) {
-    return this.#set([...this.#list.entries, { file: path, seconds: USUAL_SECONDS }]);
+  status({ playlist, video }) {
+    if (!playlist?.playing) this.now.textContent = "";
+    else
+      this.now.textContent =
+        `Entry ${playlist.index + 1} of ${playlist.entries}: ${fileName(playlist.file)}` +
+        (playlist.paused ? ", paused" : "") +
+        (video ? `, ${video.shown} frames shown, ${video.dropped} dropped` : "");
+  }
+
+  /** Adds a file, or plays a folder.
+   * @returns a promise of the list with the entry; undefined: refused */
+  add({ path, kind }) {
+    const { entries, seconds, crossfade } = this.#list;
+    if (kind === "folder")
+      return this.#call("playlist.set", { folder: path, seconds, crossfade }).then(
+        (list) => list && this.#call("playlist.play"),
+      );
+    const own = kind === "video" ? {} : { seconds: USUAL_SECONDS };
+    return this.#set([...entries, { file: path, ...own }]);
   }
 
   #call(method, params = {}) {
@@ -74,7 +113,8 @@ export class Slideshow {
   }
 
   #set(entries) {
-    return this.#call("playlist.set", { entries, loop: this.loop.checked });
+    const { seconds, crossfade } = this.#list;
+    return this.#call("playlist.set", { entries, loop: this.loop.checked, seconds, crossfade });
   }
 
   #show(list) {
@@ -84,6 +124,10 @@ export class Slideshow {
     this.#list = list;
     this.loop.checked = list.loop;
     this.play.textContent = list.playing ? "Stop" : "Play";
+    this.pause.textContent = list.paused ? "Go on" : "Pause";
+    this.pause.disabled = !list.playing;
+    this.#told = list.crossfade;
+    this.fade.set(list.crossfade);
     for (const one of [this.play, ...this.steps]) one.disabled = list.entries.length === 0;
     this.empty.hidden = list.entries.length > 0;
     if (!this.rows.querySelector(":focus.scrub, .dragged"))
@@ -103,14 +147,10 @@ export class Slideshow {
     const time = scrub({
       label: `Seconds of ${name}`,
       range: SECONDS,
-      commit: (value) => (entries[i] = { file, seconds: value }),
+      commit: (value) => (entries[i] = { ...entries[i], seconds: value }),
     });
-    time.set(seconds);
-    for (const type of ["pointerup", "change", "keyup"])
-      time.element.addEventListener(
-        type,
-        () => entries[i].seconds !== seconds && this.#set(entries),
-      );
+    time.set(seconds ?? this.#list.seconds);
+    settled(time, () => entries[i].seconds !== seconds && this.#set(entries));
     const move = (text, words, to) =>
       button(text, () => this.#move(i, to, text), {
         class: "quiet",

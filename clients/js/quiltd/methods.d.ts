@@ -49,6 +49,10 @@ export interface Calls {
       "passed"?: string[];
       /** true: a finished image is on display, not a rendering */
       "is_quilt"?: boolean;
+      /** true: its views were drawn from an image with depth; only with is_quilt */
+      "is_rgbd"?: boolean;
+      /** how the finished image stands, as the keys of scene.load; only with is_quilt */
+      "standing"?: { [key: string]: unknown };
       /** number of views [count] */
       "views"?: number;
       /** columns of the quilt [count] */
@@ -280,8 +284,37 @@ export interface Calls {
         "index"?: number;
         /** true: the entries are shown in turn */
         "playing"?: boolean;
+        /** true: the time of the current entry is stopped */
+        "paused"?: boolean;
         /** number of entries [count] */
         "entries"?: number;
+        /** file of the current entry */
+        "file"?: string;
+      } | null;
+      /** the video on display; null: none */
+      "video"?: {
+        /** its file */
+        "file"?: string;
+        /** width of its images [pixels] */
+        "width"?: number;
+        /** height of its images [pixels] */
+        "height"?: number;
+        /** its rate [frames per second] */
+        "fps"?: number;
+        /** position of the current frame [seconds] */
+        "seconds"?: number;
+        /** its length; null: unknown [seconds] */
+        "duration"?: number | null;
+        /** number of the current frame, from 0 in each round [frames] */
+        "frame"?: number;
+        /** frames that the panel took [frames] */
+        "shown"?: number;
+        /** frames that were late, or that the panel did not take [frames] */
+        "dropped"?: number;
+        /** true: it holds the current frame */
+        "paused"?: boolean;
+        /** why it has stopped and holds its last frame; null: it plays */
+        "problem"?: string | null;
       } | null;
       /** time since the daemon started [seconds] */
       "uptime"?: number;
@@ -322,6 +355,26 @@ export interface Calls {
       "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
       /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
       "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
+      /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
+      "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
+      /** on: near is black, far white, in the depth of an RGBD image */
+      "depth_inversion"?: "off" | "on";
+      /** on: the depth of an RGBD image is a hue, from red, near, to blue, far */
+      "chroma_depth"?: "off" | "on";
+      /** factor of the depth of an RGBD image */
+      "depthiness"?: number;
+      /** least depth code of an RGBD image; farther points come up to it */
+      "depth_cutoff"?: number;
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
+      "focus"?: number;
+      /** scale of a finished image about the middle of the view */
+      "zoom"?: number;
+      /** part of a finished image in the middle of the view: half widths to the right */
+      "crop_x"?: number;
+      /** part of a finished image in the middle of the view: half heights down */
+      "crop_y"?: number;
     };
     result: {
       /** generation of the scene on display [count] */
@@ -369,10 +422,10 @@ export interface Calls {
   /** show a quilt that comes by a passed descriptor, as raw pixels or an image file */
   "quilt.show": {
     params: {
-      /** columns of tiles; they divide the width [count] */
-      "columns": number;
-      /** rows of tiles; they divide the height [count] */
-      "rows": number;
+      /** columns of tiles; they divide the width; required, except with rgbd_in [count] */
+      "columns"?: number;
+      /** rows of tiles; they divide the height; required, except with rgbd_in [count] */
+      "rows"?: number;
       /** number of views (columns x rows) [count] */
       "views"?: number;
       /** aspect of a view (a tile's) [width / height] */
@@ -383,6 +436,24 @@ export interface Calls {
       "height"?: number;
       /** name in messages, at most 128 bytes without / (quilt) */
       "name"?: string;
+      /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
+      "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
+      /** on: near is black, far white, in the depth of an RGBD image */
+      "depth_inversion"?: "off" | "on";
+      /** on: the depth of an RGBD image is a hue, from red, near, to blue, far */
+      "chroma_depth"?: "off" | "on";
+      /** factor of the depth of an RGBD image */
+      "depthiness"?: number;
+      /** least depth code of an RGBD image; farther points come up to it */
+      "depth_cutoff"?: number;
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
+      "focus"?: number;
+      /** scale of a finished image about the middle of the view */
+      "zoom"?: number;
+      /** part of a finished image in the middle of the view: half widths to the right */
+      "crop_x"?: number;
+      /** part of a finished image in the middle of the view: half heights down */
+      "crop_y"?: number;
     };
     result: {
       /** generation of the quilt on display [count] */
@@ -525,30 +596,124 @@ export interface Calls {
   /** replace the entries of the slideshow */
   "playlist.set": {
     params: {
-      /** what to show, in this order: each {file, seconds}; an empty list stops */
-      "entries": {
+      /** what to show, in this order: each {file} and the keys of playlist.change; an empty list stops */
+      "entries"?: ({
         /** absolute path of a scene, model, volume or image */
         "file": string;
-        /** time from the first frame that is shown [seconds] */
-        "seconds": number;
-      }[];
+        /** time from the first frame that is shown (a video once through; others the list's) [seconds] */
+        "seconds"?: number;
+        /** tiles COLUMNSxROWS of an image or video whose name has no _qs suffix */
+        "quilt"?: string;
+        /** file without a scene: how far the eye is to the right of the front (as on the command line, else 22) [degrees] */
+        "yaw"?: number;
+        /** file without a scene: how far the eye is above the front (as on the command line, else 13) [degrees] */
+        "pitch"?: number;
+        /** file without a scene: its up axis; file: z in STL files, else y */
+        "up"?: "file" | "y" | "z";
+        /** file without a scene: dark backdrop, no ground, no studio; of a volume the density grid alone */
+        "bare"?: boolean;
+        /** image of another shape: show it whole with borders, or cut it to cover the view */
+        "photo"?: "fit" | "fill";
+        /** position of the image, or the part of it that is kept */
+        "photo_position"?: "center" | "left" | "right" | "top" | "bottom" | "top-left" | "top-right" | "bottom-left" | "bottom-right";
+        /** turn each image clockwise; auto: by 90 if only one of image and output is upright */
+        "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
+        /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
+        "aspect"?: number;
+        /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+        "views"?: number;
+        /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
+        "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
+        /** on: near is black, far white, in the depth of an RGBD image */
+        "depth_inversion"?: "off" | "on";
+        /** on: the depth of an RGBD image is a hue, from red, near, to blue, far */
+        "chroma_depth"?: "off" | "on";
+        /** factor of the depth of an RGBD image */
+        "depthiness"?: number;
+        /** least depth code of an RGBD image; farther points come up to it */
+        "depth_cutoff"?: number;
+        /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
+        "focus"?: number;
+        /** scale of a finished image about the middle of the view */
+        "zoom"?: number;
+        /** part of a finished image in the middle of the view: half widths to the right */
+        "crop_x"?: number;
+        /** part of a finished image in the middle of the view: half heights down */
+        "crop_y"?: number;
+      })[];
+      /** folder whose pictures, quilts, videos, scenes, models and volumes are shown in natural order, instead of entries */
+      "folder"?: string;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
       /** start again after the last entry */
       "loop"?: boolean;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
+      /** only check the entries, and change nothing */
+      "check"?: boolean;
     };
     result: {
       /** what is shown, in this order */
       "entries"?: {
-        /** canonical path of the file */
+        /** path of the file */
         "file"?: string;
-        /** time from the first frame that is shown [seconds] */
+        /** time from the first frame that is shown; absent: not given [seconds] */
         "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
       }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
     };
   };
   /** return the slideshow */
@@ -557,17 +722,65 @@ export interface Calls {
     result: {
       /** what is shown, in this order */
       "entries"?: {
-        /** canonical path of the file */
+        /** path of the file */
         "file"?: string;
-        /** time from the first frame that is shown [seconds] */
+        /** time from the first frame that is shown; absent: not given [seconds] */
         "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
       }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
     };
   };
   /** start the slideshow, or go to an entry */
@@ -579,17 +792,65 @@ export interface Calls {
     result: {
       /** what is shown, in this order */
       "entries"?: {
-        /** canonical path of the file */
+        /** path of the file */
         "file"?: string;
-        /** time from the first frame that is shown [seconds] */
+        /** time from the first frame that is shown; absent: not given [seconds] */
         "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
       }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
     };
   };
   /** stop the slideshow at the current entry */
@@ -598,17 +859,245 @@ export interface Calls {
     result: {
       /** what is shown, in this order */
       "entries"?: {
-        /** canonical path of the file */
+        /** path of the file */
         "file"?: string;
-        /** time from the first frame that is shown [seconds] */
+        /** time from the first frame that is shown; absent: not given [seconds] */
         "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
       }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
+    };
+  };
+  /** pause the slideshow, or let it go on */
+  "playlist.pause": {
+    params: {
+      /** true: the entry stays, and a video holds its frame; false: its time goes on */
+      "paused"?: boolean;
+    };
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown; absent: not given [seconds] */
+        "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
+      }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
+    };
+  };
+  /** change keys of an entry of the slideshow */
+  "playlist.change": {
+    params: {
+      /** entry to change, from 0 (the current one) [count] */
+      "index"?: number;
+      /** time from the first frame that is shown (a video once through; others the list's) [seconds] */
+      "seconds"?: number;
+      /** tiles COLUMNSxROWS of an image or video whose name has no _qs suffix */
+      "quilt"?: string;
+      /** file without a scene: how far the eye is to the right of the front (as on the command line, else 22) [degrees] */
+      "yaw"?: number;
+      /** file without a scene: how far the eye is above the front (as on the command line, else 13) [degrees] */
+      "pitch"?: number;
+      /** file without a scene: its up axis; file: z in STL files, else y */
+      "up"?: "file" | "y" | "z";
+      /** file without a scene: dark backdrop, no ground, no studio; of a volume the density grid alone */
+      "bare"?: boolean;
+      /** image of another shape: show it whole with borders, or cut it to cover the view */
+      "photo"?: "fit" | "fill";
+      /** position of the image, or the part of it that is kept */
+      "photo_position"?: "center" | "left" | "right" | "top" | "bottom" | "top-left" | "top-right" | "bottom-left" | "bottom-right";
+      /** turn each image clockwise; auto: by 90 if only one of image and output is upright */
+      "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
+      /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
+      "aspect"?: number;
+      /** number of views of a quilt image or video; further tiles are unused (all tiles) */
+      "views"?: number;
+      /** where the depth of an RGBD image is; auto: right if the name ends with _rgbd */
+      "rgbd_in"?: "auto" | "off" | "right" | "left" | "top" | "bottom";
+      /** on: near is black, far white, in the depth of an RGBD image */
+      "depth_inversion"?: "off" | "on";
+      /** on: the depth of an RGBD image is a hue, from red, near, to blue, far */
+      "chroma_depth"?: "off" | "on";
+      /** factor of the depth of an RGBD image */
+      "depthiness"?: number;
+      /** least depth code of an RGBD image; farther points come up to it */
+      "depth_cutoff"?: number;
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
+      "focus"?: number;
+      /** scale of a finished image about the middle of the view */
+      "zoom"?: number;
+      /** part of a finished image in the middle of the view: half widths to the right */
+      "crop_x"?: number;
+      /** part of a finished image in the middle of the view: half heights down */
+      "crop_y"?: number;
+    };
+    result: {
+      /** what is shown, in this order */
+      "entries"?: {
+        /** path of the file */
+        "file"?: string;
+        /** time from the first frame that is shown; absent: not given [seconds] */
+        "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
+      }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
+      /** number of the current entry, from 0 [count] */
+      "index"?: number;
+      /** true: the entries are shown in turn */
+      "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
+      /** true: starts again after the last entry */
+      "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
     };
   };
   /** show the next entry of the slideshow */
@@ -617,17 +1106,65 @@ export interface Calls {
     result: {
       /** what is shown, in this order */
       "entries"?: {
-        /** canonical path of the file */
+        /** path of the file */
         "file"?: string;
-        /** time from the first frame that is shown [seconds] */
+        /** time from the first frame that is shown; absent: not given [seconds] */
         "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
       }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
     };
   };
   /** show the previous entry of the slideshow */
@@ -636,17 +1173,65 @@ export interface Calls {
     result: {
       /** what is shown, in this order */
       "entries"?: {
-        /** canonical path of the file */
+        /** path of the file */
         "file"?: string;
-        /** time from the first frame that is shown [seconds] */
+        /** time from the first frame that is shown; absent: not given [seconds] */
         "seconds"?: number;
+        /** tiles COLUMNSxROWS; absent: not given */
+        "quilt"?: string;
+        /** as of scene.load; this and all below absent: not given [degrees] */
+        "yaw"?: number;
+        /** as of scene.load [degrees] */
+        "pitch"?: number;
+        /** as of scene.load */
+        "up"?: string;
+        /** as of scene.load */
+        "bare"?: boolean;
+        /** as of scene.load */
+        "photo"?: string;
+        /** as of scene.load */
+        "photo_position"?: string;
+        /** as of scene.load */
+        "photo_rotate"?: string;
+        /** as of scene.load [width over height] */
+        "aspect"?: number;
+        /** as of scene.load [count] */
+        "views"?: number;
+        /** as of scene.load */
+        "rgbd_in"?: string;
+        /** as of scene.load */
+        "depth_inversion"?: string;
+        /** as of scene.load */
+        "chroma_depth"?: string;
+        /** as of scene.load [factor] */
+        "depthiness"?: number;
+        /** as of scene.load [code] */
+        "depth_cutoff"?: number;
+        /** as of scene.load [widths] */
+        "focus"?: number;
+        /** as of scene.load [factor] */
+        "zoom"?: number;
+        /** as of scene.load [half widths] */
+        "crop_x"?: number;
+        /** as of scene.load [half heights] */
+        "crop_y"?: number;
       }[];
+      /** folder that the entries are from; null: none */
+      "folder"?: string | null;
+      /** true: the folder has more files than entries */
+      "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
+      /** true: the time of the current entry is stopped */
+      "paused"?: boolean;
       /** true: starts again after the last entry */
       "loop"?: boolean;
+      /** default time of an entry; a video plays once through [seconds] */
+      "seconds"?: number;
+      /** time in which an image turns into the next one [seconds] */
+      "crossfade"?: number;
     };
   };
   /** wait until the panel shows the image */
@@ -747,7 +1332,7 @@ export interface Calls {
         "name"?: string;
         /** absolute path, for scene.load */
         "path"?: string;
-        /** folder, scene, model, volume, environment, quilt or image */
+        /** folder, scene, model, volume, environment, quilt, video or image */
         "kind"?: string;
         /** size of the file; 0: a folder [bytes] */
         "bytes"?: number;
@@ -1219,17 +1804,65 @@ export interface Notifications {
   "playlist": {
     /** what is shown, in this order */
     "entries"?: {
-      /** canonical path of the file */
+      /** path of the file */
       "file"?: string;
-      /** time from the first frame that is shown [seconds] */
+      /** time from the first frame that is shown; absent: not given [seconds] */
       "seconds"?: number;
+      /** tiles COLUMNSxROWS; absent: not given */
+      "quilt"?: string;
+      /** as of scene.load; this and all below absent: not given [degrees] */
+      "yaw"?: number;
+      /** as of scene.load [degrees] */
+      "pitch"?: number;
+      /** as of scene.load */
+      "up"?: string;
+      /** as of scene.load */
+      "bare"?: boolean;
+      /** as of scene.load */
+      "photo"?: string;
+      /** as of scene.load */
+      "photo_position"?: string;
+      /** as of scene.load */
+      "photo_rotate"?: string;
+      /** as of scene.load [width over height] */
+      "aspect"?: number;
+      /** as of scene.load [count] */
+      "views"?: number;
+      /** as of scene.load */
+      "rgbd_in"?: string;
+      /** as of scene.load */
+      "depth_inversion"?: string;
+      /** as of scene.load */
+      "chroma_depth"?: string;
+      /** as of scene.load [factor] */
+      "depthiness"?: number;
+      /** as of scene.load [code] */
+      "depth_cutoff"?: number;
+      /** as of scene.load [widths] */
+      "focus"?: number;
+      /** as of scene.load [factor] */
+      "zoom"?: number;
+      /** as of scene.load [half widths] */
+      "crop_x"?: number;
+      /** as of scene.load [half heights] */
+      "crop_y"?: number;
     }[];
+    /** folder that the entries are from; null: none */
+    "folder"?: string | null;
+    /** true: the folder has more files than entries */
+    "more"?: boolean;
     /** number of the current entry, from 0 [count] */
     "index"?: number;
     /** true: the entries are shown in turn */
     "playing"?: boolean;
+    /** true: the time of the current entry is stopped */
+    "paused"?: boolean;
     /** true: starts again after the last entry */
     "loop"?: boolean;
+    /** default time of an entry; a video plays once through [seconds] */
+    "seconds"?: number;
+    /** time in which an image turns into the next one [seconds] */
+    "crossfade"?: number;
   };
   /** a button on the panel was pressed */
   "button": {

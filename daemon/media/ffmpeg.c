@@ -1,0 +1,244 @@
+#include "daemon/media/ffmpeg.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/errno_text.h"
+#include "base/log.h"
+#include "base/spawn.h"
+
+#define FILE_FD 3
+#define NAP_MS 5
+#define SAID_BYTES 65536
+#define PIPE_BYTES (1 << 20) /* fewer switches between the processes; without it it works, too */
+#define MOST_FILES 64
+
+void lf_ffmpeg_add(lf_ffmpeg_words *words, const char *const more[])
+{
+    for (; *more; more++) {
+        assert(words->n < (int)(sizeof words->list / sizeof words->list[0]) - 1);
+        words->list[words->n++] = *more;
+    }
+}
+
+/* Moves fd above the descriptors that the child gets. */
+static int raised(int fd)
+{
+    int higher = fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
+    if (fd >= 0)
+        close(fd);
+    return higher;
+}
+
+/* A memory file that cannot grow, so a talkative child does not fill the memory. */
+static int make_said(const char *program)
+{
+    int fd = raised(memfd_create(program, MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    if (fd >= 0 && ftruncate(fd, SAID_BYTES) == 0 &&
+        fcntl(fd, F_ADD_SEALS, F_SEAL_GROW | F_SEAL_SHRINK) == 0)
+        return fd;
+    if (fd >= 0)
+        close(fd);
+    return -1;
+}
+
+/* The child has only just begun to load its libraries. */
+static int limit(pid_t pid, const lf_ffmpeg_limits *limits)
+{
+    const struct {
+        enum __rlimit_resource what;
+        rlim_t most;
+    } rows[] = {{RLIMIT_AS, limits->memory},
+                {RLIMIT_FSIZE, SAID_BYTES},
+                {RLIMIT_NOFILE, MOST_FILES},
+                {RLIMIT_CORE, 0}};
+    for (size_t i = 0; limits->given && i < sizeof rows / sizeof rows[0]; i++) {
+        struct rlimit now;
+        if (prlimit(pid, rows[i].what, NULL, &now) != 0)
+            return errno;
+        now.rlim_max = rows[i].most < now.rlim_max ? rows[i].most : now.rlim_max;
+        now.rlim_cur = now.rlim_max;
+        if (prlimit(pid, rows[i].what, &now, NULL) != 0)
+            return errno;
+    }
+    return 0;
+}
+
+/* Frames of tens of megabytes come and go. Kept by malloc, their pages are not zeroed for each
+ * frame, which takes a third of ffmpeg's time. */
+#define KEEPS_PAGES                                                                                \
+    "GLIBC_TUNABLES=glibc.malloc.mmap_threshold=33554432:glibc.malloc.top_pad=134217728:"          \
+    "glibc.malloc.trim_threshold=1073741824"
+
+/* A child that reads foreign files gets only what it needs of our environment. */
+static int spawn(lf_ffmpeg *child, const int fds[], const lf_ffmpeg_words *words, bool is_limited)
+{
+    static char plain[] = "LC_ALL=C", keeps[] = KEEPS_PAGES;
+    char path[8192], libraries[4096];
+    char *few[5] = {plain, keeps, path};
+    const char *own = getenv("PATH"), *own_libraries = getenv("LD_LIBRARY_PATH");
+    snprintf(path, sizeof path, "PATH=%s", own ? own : "/usr/local/bin:/usr/bin:/bin");
+    snprintf(libraries, sizeof libraries, "LD_LIBRARY_PATH=%s", own_libraries ? own_libraries : "");
+    few[3] = own_libraries ? libraries : NULL;
+    return lf_spawn(child->program, fds, FILE_FD + 1, words->list, is_limited ? few : environ,
+                    &child->pid);
+}
+
+static int start(lf_ffmpeg *child, const lf_ffmpeg_words *words, lf_ffmpeg_flow flow, int ends[2],
+                 int file, const lf_ffmpeg_limits *limits)
+{
+    const bool reads = flow == LF_FFMPEG_READS;
+    int theirs = raised(ends[reads ? 0 : 1]);
+    child->pipe = raised(ends[reads ? 1 : 0]);
+    child->said = make_said(child->program);
+    file = fcntl(file, F_DUPFD_CLOEXEC, FILE_FD + 1);
+    const int fds[FILE_FD + 1] = {reads ? theirs : -1, reads ? -1 : theirs, child->said, file};
+    int failed = theirs < 0 || child->pipe < 0 || child->said < 0 || file < 0 ||
+                         fcntl(child->pipe, F_SETFL, O_NONBLOCK) != 0
+                     ? errno
+                     : 0;
+    (void)fcntl(child->pipe, F_SETPIPE_SZ, PIPE_BYTES);
+    if (!failed)
+        failed = spawn(child, fds, words, limits->given);
+    if (!failed)
+        failed = limit(child->pid, limits);
+    if (theirs >= 0)
+        close(theirs);
+    if (file >= 0)
+        close(file);
+    return failed;
+}
+
+lf_status lf_ffmpeg_start(const char *program, const lf_ffmpeg_words *words, lf_ffmpeg_flow flow,
+                          int file, const lf_ffmpeg_limits *limits, const char *purpose,
+                          lf_ffmpeg *child, lf_error *err)
+{
+    int ends[2];
+    *child = LF_FFMPEG_NONE;
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return lf_error_set(err, LF_E_IO, program, "cannot create a pipe: %s",
+                            lf_errno_text(errno));
+    child->program = program;
+    int failed = start(child, words, flow, ends, file, limits);
+    if (failed)
+        lf_ffmpeg_end(child);
+    if (failed == ENOENT)
+        return lf_error_set(err, LF_E_IO, program,
+                            "is not in PATH; install the package ffmpeg, which %s", purpose);
+    return failed
+               ? lf_error_set(err, LF_E_IO, program, "cannot be started: %s", lf_errno_text(failed))
+               : LF_OK;
+}
+
+lf_status lf_ffmpeg_waited(lf_ffmpeg *child, int ms, lf_error *err)
+{
+    siginfo_t info = {0};
+    if (child->pid == 0 || waitid(P_PID, (id_t)child->pid, &info, WSTOPPED | WNOHANG | WNOWAIT) ||
+        info.si_pid != child->pid) {
+        child->stopped_ms = 0;
+        return LF_OK;
+    }
+    if (!child->told)
+        lf_log(LF_LOG_WARNING, "%s is stopped (signal %d); waiting for it to continue",
+               child->program, info.si_status);
+    child->told = true;
+    child->stopped_ms += ms;
+    return child->stopped_ms < LF_FFMPEG_STOPPED_S * 1000
+               ? LF_OK
+               : lf_error_set(err, LF_E_TIMEOUT, child->program,
+                              "has been stopped (signal %d) for %d s, so the video is abandoned",
+                              info.si_status, LF_FFMPEG_STOPPED_S);
+}
+
+bool lf_ffmpeg_ended(lf_ffmpeg *child, int *out_status)
+{
+    if (child->pid > 0 && waitpid(child->pid, out_status, WNOHANG) == child->pid)
+        child->pid = 0;
+    return child->pid == 0;
+}
+
+lf_status lf_ffmpeg_await(lf_ffmpeg *child, bool (*stopped)(const void *context),
+                          const void *context, const char *where, int *out_status, lf_error *err)
+{
+    while (!lf_ffmpeg_ended(child, out_status)) {
+        if (stopped && stopped(context))
+            return lf_error_set(err, LF_E_CANCELLED, where, "cancelled");
+        nanosleep(&(struct timespec){.tv_nsec = NAP_MS * 1000000}, NULL);
+        lf_status status = lf_ffmpeg_waited(child, NAP_MS, err);
+        if (status != LF_OK)
+            return status;
+    }
+    return LF_OK;
+}
+
+size_t lf_ffmpeg_said(const lf_ffmpeg *child, size_t offset, char *text, size_t size)
+{
+    ssize_t n = pread(child->said, text, size - 1, (off_t)offset);
+    text[n > 0 ? n : 0] = '\0';
+    return strlen(text);
+}
+
+/* Skips prefixes such as "[mov @ 0x55…] [error] ". */
+static const char *without_prefixes(const char *line)
+{
+    while (*line == '[') {
+        const char *end = strchr(line, ']');
+        if (!end)
+            break;
+        line = end[1] == ' ' ? end + 2 : end + 1;
+    }
+    return line;
+}
+
+const char *lf_ffmpeg_first_line(char *text)
+{
+    static const char *const levels[] = {"[error] ", "[fatal] ", "[panic] "};
+    char *first = NULL;
+    for (size_t i = 0; i < sizeof levels / sizeof levels[0]; i++) {
+        char *found = strstr(text, levels[i]);
+        if (found && (!first || found < first))
+            first = found;
+    }
+    if (!first)
+        first = text;
+    first[strcspn(first, "\n")] = '\0';
+    return without_prefixes(first);
+}
+
+lf_status lf_ffmpeg_judge(const lf_ffmpeg *child, int status, lf_error *err)
+{
+    char text[4096], how[48];
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return LF_OK;
+    (void)lf_ffmpeg_said(child, 0, text, sizeof text);
+    const char *line = lf_ffmpeg_first_line(text);
+    if (WIFSIGNALED(status))
+        snprintf(how, sizeof how, "was ended by signal %d", WTERMSIG(status));
+    else
+        snprintf(how, sizeof how, "failed (exit status %d)", WEXITSTATUS(status));
+    return lf_error_set(err, LF_E_IO, child->program, "%s%s%.300s", how, line[0] ? ": " : "", line);
+}
+
+void lf_ffmpeg_end(lf_ffmpeg *child)
+{
+    if (child->pipe >= 0)
+        close(child->pipe);
+    if (child->pid > 0) {
+        kill(child->pid, SIGKILL);
+        while (waitpid(child->pid, NULL, 0) < 0 && errno == EINTR)
+            ;
+    }
+    if (child->said >= 0)
+        close(child->said);
+    *child = LF_FFMPEG_NONE;
+}

@@ -1,0 +1,431 @@
+#include "daemon/media/player.h"
+
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "base/thread.h"
+#include "base/wakeup.h"
+#include "daemon/media/decoder.h"
+#include "daemon/media/pace.h"
+
+#define N_FRAMES 3
+#define LOOK_MS 50
+/* The next round's ffmpeg is started this long before the end, in seconds. */
+#define AHEAD_S 1
+/* A video that ends earlier than it says is told of. */
+#define SHORT_S 1
+#define SHORT_SHARE 0.9
+
+/* A frame in memory. */
+typedef struct slot {
+    int at;         /* index in player->frames; -1: none */
+    int64_t number; /* since the start, for the clock */
+    int64_t in_round, round;
+} slot;
+
+static const slot no_slot = {.at = -1};
+
+struct lf_player {
+    lf_movie movie;
+    bool once;
+    uint8_t *frames[N_FRAMES];
+    int wakeup;
+    pthread_t thread;
+    bool started;
+    void (*news)(void *context);
+    void *context;
+
+    /* owned by the thread */
+    lf_decoder *decoder, *next; /* of this round, of the next one */
+    slot filling;
+    bool is_full;   /* filling is whole */
+    int64_t n_read; /* frames read since the start */
+    int64_t round;  /* of the frames that are read */
+    bool is_over;   /* no more frames follow */
+    bool told_of_waiting;
+
+    pthread_mutex_t lock;
+    /* under lock */
+    bool stop;
+    lf_pace pace;
+    slot waiting; /* until it is due */
+    slot newest;  /* due and not taken */
+    slot held;    /* taken */
+    lf_player_status status;
+};
+
+/* ------------------------------------------------------------------------------------ frames -- */
+
+static slot free_slot(const lf_player *player)
+{
+    slot found = no_slot;
+    for (int i = 0; i < N_FRAMES; i++)
+        if (i != player->waiting.at && i != player->newest.at && i != player->held.at)
+            found.at = i;
+    return found;
+}
+
+/* A frame becomes the newest one. */
+static void hand_over(lf_player *player)
+{
+    lf_player_status *s = &player->status;
+    if (player->newest.at >= 0)
+        s->dropped++;
+
+    player->newest = player->waiting;
+    player->waiting = no_slot;
+    s->due++;
+    s->rounds = player->newest.round;
+    s->frame = player->newest.in_round;
+    s->seconds = (double)s->frame / s->fps;
+}
+
+/* Looks at the frame that waits. True: something has changed. */
+static bool judge(lf_player *player, uint64_t now, bool *out_moved)
+{
+    switch (lf_pace_judge(&player->pace, player->waiting.number, now, out_moved)) {
+    case LF_PACE_SHOW:
+        hand_over(player);
+        return true;
+    case LF_PACE_DROP:
+        player->waiting = no_slot;
+        player->status.due++;
+        player->status.dropped++;
+        return true;
+    case LF_PACE_WAIT:
+        break;
+    }
+    return false;
+}
+
+/* After the last frame's time a video that does not loop has ended. */
+static bool end_in_time(lf_player *player, uint64_t now)
+{
+    if (!player->is_over || player->status.ended || player->status.failed ||
+        player->waiting.at >= 0 || player->pace.paused > 0 ||
+        now < lf_pace_due(&player->pace, player->n_read))
+        return false;
+    player->status.rounds = player->round + 1;
+    player->status.ended = true;
+    return true;
+}
+
+static void tell_news(lf_player *player)
+{
+    player->news(player->context);
+}
+
+/* ------------------------------------------------------------------------------------ rounds -- */
+
+static void fail(lf_player *player, const lf_error *err)
+{
+    player->is_over = true;
+    pthread_mutex_lock(&player->lock);
+    player->status.failed = true;
+    player->status.err = *err;
+    pthread_mutex_unlock(&player->lock);
+    tell_news(player);
+}
+
+static void tell_short(const lf_player *player, int64_t n)
+{
+    const lf_movie_info *info = &player->movie.info;
+    if (n < SHORT_SHARE * (double)info->n_frames &&
+        (double)(info->n_frames - n) > SHORT_S * lf_movie_fps(&player->movie))
+        lf_log(LF_LOG_WARNING,
+               "%s: the video ends after %lld of %lld frames; its file may be incomplete",
+               player->movie.file, (long long)n, (long long)info->n_frames);
+}
+
+/* Starts ffmpeg for the next round shortly before the end of this one. */
+static void look_ahead(lf_player *player)
+{
+    const int64_t n = player->decoder ? lf_decoder_frames(player->decoder) : 0,
+                  left = player->movie.info.n_frames - n;
+    if (player->once || player->next || player->is_over || n < 1 ||
+        player->movie.info.n_frames < 2 || (double)left > AHEAD_S * lf_movie_fps(&player->movie))
+        return;
+    if (lf_decoder_create(&player->movie, &player->next, NULL) != LF_OK)
+        player->next = NULL; /* tried again at the end, where it is an error */
+}
+
+static void end_round(lf_player *player)
+{
+    lf_error err;
+    const int64_t n = lf_decoder_frames(player->decoder);
+    if (player->round == 0)
+        tell_short(player, n);
+    lf_decoder_destroy(player->decoder);
+    player->decoder = player->next;
+    player->next = NULL;
+    player->is_over = player->once || n < 2;
+    if (player->is_over) {
+        lf_decoder_destroy(player->decoder);
+        player->decoder = NULL;
+        return;
+    }
+    player->round++;
+    if (!player->decoder && lf_decoder_create(&player->movie, &player->decoder, &err) != LF_OK) {
+        player->decoder = NULL;
+        fail(player, &err);
+    }
+}
+
+/* Reads what ffmpeg has delivered. */
+static void read_frame(lf_player *player)
+{
+    lf_error err;
+    lf_decoder_state state;
+    if (lf_decoder_read(player->decoder, player->frames[player->filling.at], &state, &err) !=
+        LF_OK) {
+        fail(player, &err);
+        return;
+    }
+    if (state == LF_DECODER_END) {
+        end_round(player);
+    } else if (state == LF_DECODER_FRAME) {
+        player->filling.number = player->n_read++;
+        player->filling.in_round = lf_decoder_frames(player->decoder) - 1;
+        player->filling.round = player->round;
+        player->is_full = true;
+        look_ahead(player);
+    }
+}
+
+/* ------------------------------------------------------------------------------------ thread -- */
+
+/* What the thread waits for. */
+typedef struct agenda {
+    bool stops, reads, changed;
+    uint64_t wait_ns;
+} agenda;
+
+static agenda plan(lf_player *player)
+{
+    bool moved = false;
+    pthread_mutex_lock(&player->lock);
+    const uint64_t now = lf_time_now_ns();
+    agenda a = {.stops = player->stop, .wait_ns = LOOK_MS * LF_NS_PER_MS};
+    if (player->is_full && player->waiting.at < 0) {
+        player->waiting = player->filling;
+        player->filling = no_slot;
+        player->is_full = false;
+    }
+    if (player->waiting.at >= 0)
+        a.changed = judge(player, now, &moved);
+    a.changed |= end_in_time(player, now);
+    if (player->filling.at < 0)
+        player->filling = free_slot(player);
+    a.reads = player->decoder && !player->is_over && !player->is_full && player->filling.at >= 0;
+    const bool waits = player->waiting.at >= 0 && player->pace.paused == 0;
+    const uint64_t due = waits ? lf_pace_due(&player->pace, player->waiting.number) : UINT64_MAX;
+    if (due < now + a.wait_ns)
+        a.wait_ns = due > now ? due - now : 0;
+    pthread_mutex_unlock(&player->lock);
+    if (moved && !player->told_of_waiting) {
+        lf_log(LF_LOG_WARNING,
+               "%s: ffmpeg decodes it more slowly than %.4g frames a second; use a smaller video",
+               player->movie.file, lf_movie_fps(&player->movie));
+        player->told_of_waiting = true;
+    }
+    return a;
+}
+
+static void wait_and_read(lf_player *player, const agenda *a)
+{
+    struct pollfd fds[2] = {{player->wakeup, POLLIN, 0},
+                            {a->reads ? lf_decoder_fd(player->decoder) : -1, POLLIN, 0}};
+    const struct timespec wait = {(time_t)(a->wait_ns / LF_NS_PER_S),
+                                  (long)(a->wait_ns % LF_NS_PER_S)};
+    lf_error err;
+    const int n = ppoll(fds, 2, &wait, NULL);
+    if (fds[0].revents)
+        lf_wakeup_clear(player->wakeup);
+    if (!a->reads)
+        return;
+    read_frame(player);
+    if (n == 0 && player->decoder && !player->is_over && !player->is_full &&
+        lf_decoder_waited(player->decoder, (int)(a->wait_ns / LF_NS_PER_MS), &err) != LF_OK)
+        fail(player, &err);
+}
+
+static void *player_main(void *context)
+{
+    lf_player *player = context;
+    for (;;) {
+        const agenda a = plan(player);
+        if (a.stops)
+            break;
+        if (a.changed)
+            tell_news(player);
+        else
+            wait_and_read(player, &a);
+    }
+    lf_decoder_destroy(player->decoder);
+    lf_decoder_destroy(player->next);
+    player->decoder = player->next = NULL;
+    return NULL;
+}
+
+/* -------------------------------------------------------------------------------- the public -- */
+
+/* Waits for the first frame. */
+static lf_status read_first(lf_player *player, bool (*stopped)(void), lf_error *err)
+{
+    lf_decoder_state state = LF_DECODER_MORE;
+    for (;;) {
+        lf_status status = lf_decoder_read(player->decoder, player->frames[0], &state, err);
+        if (status != LF_OK || state == LF_DECODER_FRAME)
+            return status;
+        if (stopped && stopped())
+            return lf_error_set(err, LF_E_CANCELLED, player->movie.file, "cancelled");
+        struct pollfd ready = {lf_decoder_fd(player->decoder), POLLIN, 0};
+        if (poll(&ready, 1, LOOK_MS) == 0)
+            status = lf_decoder_waited(player->decoder, LOOK_MS, err);
+        if (status != LF_OK)
+            return status;
+    }
+}
+
+static lf_status allocate(lf_player *player, lf_error *err)
+{
+    for (int i = 0; i < N_FRAMES; i++)
+        if (!(player->frames[i] = lf_calloc(player->movie.frame_bytes, 1)))
+            return lf_error_set(err, LF_E_NOMEM, player->movie.file,
+                                "not enough memory for three frames of %zu MB",
+                                player->movie.frame_bytes / 1000000);
+    player->wakeup = lf_wakeup_make();
+    return player->wakeup >= 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_NOMEM, player->movie.file, "no descriptors are left");
+}
+
+static void describe(lf_player *player)
+{
+    const lf_movie *movie = &player->movie;
+    const bool swaps = lf_orientation_swaps(movie->info.orientation);
+    player->status = (lf_player_status){.width = swaps ? movie->info.height : movie->info.width,
+                                        .height = swaps ? movie->info.width : movie->info.height,
+                                        .fps = lf_movie_fps(movie),
+                                        .duration = movie->info.seconds};
+}
+
+lf_status lf_player_create(const char *path, const lf_roots *roots, int columns, int rows,
+                           const lf_photo *photo, bool (*stopped)(void), lf_player **out_player,
+                           lf_error *err)
+{
+    lf_player *player = lf_calloc(1, sizeof *player);
+    if (!player)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    player->movie.fd = player->wakeup = -1;
+    player->filling = player->waiting = player->newest = player->held = no_slot;
+    pthread_mutex_init(&player->lock, NULL);
+    lf_status status =
+        lf_movie_open(path, roots, columns, rows, photo, stopped, &player->movie, err);
+    if (status == LF_OK)
+        status = allocate(player, err);
+    if (status == LF_OK)
+        status = lf_decoder_create(&player->movie, &player->decoder, err);
+    if (status == LF_OK)
+        status = read_first(player, stopped, err);
+    if (status != LF_OK) {
+        lf_player_destroy(player);
+        return status;
+    }
+    player->newest.at = 0;
+    player->n_read = 1;
+    describe(player);
+    *out_player = player;
+    return LF_OK;
+}
+
+void lf_player_destroy(lf_player *player)
+{
+    if (!player)
+        return;
+    lf_player_stop(player);
+    for (int i = 0; i < N_FRAMES; i++)
+        lf_free(player->frames[i]);
+    if (player->wakeup >= 0)
+        close(player->wakeup);
+    lf_movie_finish(&player->movie);
+    pthread_mutex_destroy(&player->lock);
+    lf_free(player);
+}
+
+const lf_movie *lf_player_movie(const lf_player *player)
+{
+    return &player->movie;
+}
+
+void lf_player_set_once(lf_player *player, bool once)
+{
+    player->once = once;
+}
+
+lf_status lf_player_start(lf_player *player, void (*news)(void *context), void *context)
+{
+    if (player->started)
+        return LF_OK;
+    player->news = news;
+    player->context = context;
+    lf_pace_start(&player->pace, player->movie.info.rate, player->movie.info.per, lf_time_now_ns());
+    lf_pace_pause(&player->pace, player->status.paused, lf_time_now_ns());
+    player->status.due = 1;
+    lf_status status = lf_thread_start("lf-player", player_main, player, &player->thread);
+    player->started = status == LF_OK;
+    return status;
+}
+
+void lf_player_stop(lf_player *player)
+{
+    pthread_mutex_lock(&player->lock);
+    player->stop = true;
+    pthread_mutex_unlock(&player->lock);
+    if (player->started) {
+        lf_wakeup_signal(player->wakeup);
+        pthread_join(player->thread, NULL);
+        player->started = false;
+    }
+    lf_decoder_destroy(player->decoder);
+    player->decoder = NULL;
+}
+
+void lf_player_pause(lf_player *player, bool paused)
+{
+    pthread_mutex_lock(&player->lock);
+    lf_pace_pause(&player->pace, paused, lf_time_now_ns());
+    player->status.paused = paused;
+    pthread_mutex_unlock(&player->lock);
+    lf_wakeup_signal(player->wakeup);
+}
+
+bool lf_player_take(lf_player *player, lf_views8 *out)
+{
+    pthread_mutex_lock(&player->lock);
+    const slot newest = player->newest;
+    if (newest.at >= 0) {
+        player->held = newest;
+        player->newest = no_slot;
+        player->status.taken++;
+    }
+    pthread_mutex_unlock(&player->lock);
+    if (newest.at < 0)
+        return false;
+    *out = player->movie.views;
+    out->data = player->frames[newest.at] + player->movie.first;
+    lf_wakeup_signal(player->wakeup); /* a frame is free */
+    return true;
+}
+
+void lf_player_get_status(lf_player *player, lf_player_status *out)
+{
+    pthread_mutex_lock(&player->lock);
+    *out = player->status;
+    pthread_mutex_unlock(&player->lock);
+}
