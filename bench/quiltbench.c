@@ -29,6 +29,7 @@ static const struct command {
     {"live", lf_bench_live, "what the panel shows after a command, and when"},
     {"skip", lf_bench_skip, "CPU time that skipping unneeded work saves"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
+    {"video", lf_bench_video, "a frame of a quilt video: decoding and interlacing"},
     {"usb", lf_bench_usb, "updates of a simulated USB display against copying"},
 };
 

@@ -18,6 +18,7 @@ fuzz_libs_render := render base
 fuzz_libs_rpc := $(filter-out tools model,$(libraries))
 fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
+fuzz_libs_probe := $(filter-out tools model papers,$(libraries))
 fuzz_libs_mesh := meshes render base
 fuzz_libs_mesh_arrays := $(fuzz_libs_mesh)
 fuzz_libs_gltf := meshes render base
@@ -106,6 +107,7 @@ wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 
 # waiting that takes no time
 wrap_test_movie_player := -Wl,--wrap=lf_time_now_ns,--wrap=poll,--wrap=ppoll
+wrap_test_movie_failures := $(wrap_test_movie_player)
 wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 
 # a slow disk, saves that come soon

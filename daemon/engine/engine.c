@@ -237,7 +237,7 @@ void engine_publish(lf_engine *engine)
     else if (now.state == LF_STATE_RENDERING)
         now.seconds_left = seconds_left(engine);
     pthread_mutex_lock(&engine->lock);
-    engine->lost = engine->movie.lost;
+    engine->movie.told_lost = engine->movie.lost;
     bool changed = now.state != engine->status.state ||
                    now.generation != engine->status.generation ||
                    now.level != engine->status.level || now.frames != engine->status.frames;
@@ -318,7 +318,7 @@ void lf_engine_destroy(lf_engine *engine)
     if (engine->life.started)
         pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->lens.interlacer);
-    lf_image8_finish(&engine->card.image);
+    lf_image8_finish(&engine->lens.card.image);
     lf_image8_finish(&engine->frames.fade.from);
     lf_image8_finish(&engine->frames.fade.to);
     lf_renderer_destroy(engine->renderer);

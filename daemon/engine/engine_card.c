@@ -15,12 +15,12 @@ static lf_status draw(lf_engine *engine, const char *words)
     const lf_calibration *panel = &engine->now.panel.calibration;
     int width, height;
     lf_card_size(panel->screen_width_px, panel->screen_height_px, &width, &height);
-    if (engine->card.image.data && engine->card.image.width == width &&
-        engine->card.image.height == height && strcmp(engine->card.words, words) == 0)
+    if (engine->lens.card.image.data && engine->lens.card.image.width == width &&
+        engine->lens.card.image.height == height && strcmp(engine->lens.card.words, words) == 0)
         return LF_OK;
-    lf_image8_finish(&engine->card.image);
-    snprintf(engine->card.words, sizeof engine->card.words, "%s", words);
-    return lf_card_draw(words, width, height, &engine->card.image);
+    lf_image8_finish(&engine->lens.card.image);
+    snprintf(engine->lens.card.words, sizeof engine->lens.card.words, "%s", words);
+    return lf_card_draw(words, width, height, &engine->lens.card.image);
 }
 
 /* Interlaces the card as the only view. Linear filter, because its edges are a few lenses wide. */
@@ -50,10 +50,10 @@ static void post(lf_engine *engine, const char *words)
         return;
     }
     if (present) {
-        views.width = engine->card.image.width;
-        views.height = engine->card.image.height;
-        views.row_stride = engine->card.image.stride;
-        views.data = engine->card.image.data;
+        views.width = engine->lens.card.image.width;
+        views.height = engine->lens.card.image.height;
+        views.row_stride = engine->lens.card.image.stride;
+        views.data = engine->lens.card.image.data;
     }
     lf_frame *frame = engine_begin_frame(engine, present);
     if (!frame || (present && interlace(engine, &views, &frame->image) != LF_OK))

@@ -41,12 +41,6 @@ typedef struct engine_panel {
     lf_calibration calibration;
 } engine_panel;
 
-/* How views become an image of the panel. */
-typedef struct engine_lens {
-    lf_interlacer *interlacer; /* NULL: not made */
-    lf_layout layout;          /* of its views */
-} engine_lens;
-
 /* lf_engine_set_card. */
 typedef struct engine_card {
     char words[LF_CARD_TEXT];
@@ -58,18 +52,38 @@ typedef struct engine_drawn {
     char words[LF_CARD_TEXT];
 } engine_drawn;
 
+/* How views become an image of the panel. */
+typedef struct engine_lens {
+    lf_interlacer *interlacer; /* NULL: not made */
+    lf_layout layout;          /* of its views */
+    engine_drawn card;         /* the last one */
+} engine_lens;
+
 /* Which orders have changed; movie: the video has a frame or other news. */
 typedef struct engine_news {
     bool controls, panel, card, fade, movie;
 } engine_news;
 
+/* What draws the frames of a video that do not stand as they are decoded; zeroed: nothing. */
+typedef struct engine_drawing {
+    lf_rgbd_warp *warp; /* frames have depth; otherwise NULL */
+    uint8_t *data;      /* the views of the current frame; NULL: as they are decoded */
+} engine_drawing;
+
 /* The video that is shown. */
 typedef struct engine_movie {
-    lf_views8 views; /* of its current frame; data NULL: none */
-    bool is_fresh;   /* views were not posted before */
-    bool is_moving;  /* more frames follow; otherwise it is paused or has ended */
-    bool told;       /* its failure was reported */
-    uint64_t lost;   /* frames that could not be posted */
+    /* under lock */
+    lf_player *player;  /* NULL: none is shown */
+    bool is_held;       /* lf_engine_pause_movie */
+    uint64_t told_lost; /* `lost`, for others */
+    /* owned by the thread */
+    engine_drawing next, drawing; /* of the content that is being committed; of the video */
+    lf_views8 frame;              /* the current one, as it was decoded */
+    lf_views8 views;              /* its views as they are shown */
+    bool is_fresh;                /* views were not posted before */
+    bool is_moving;               /* more frames follow; otherwise it is paused or has ended */
+    bool told;                    /* its failure was reported */
+    uint64_t lost;                /* frames that could not be posted */
 } engine_movie;
 
 /* Settings requested by other threads, or in force. */
@@ -174,9 +188,6 @@ struct lf_engine {
     engine_news news;
     engine_orders wanted;
     lf_engine_status status;
-    lf_player *player; /* of the video that is shown; NULL: none */
-    bool holds_movie;  /* lf_engine_pause_movie */
-    uint64_t lost;     /* movie.lost */
 
     /* owned by the thread; free for all once it has ended */
     engine_orders now;
@@ -186,7 +197,6 @@ struct lf_engine {
     lf_picture picture;
     lf_schedule schedule;
     engine_lens lens;
-    engine_drawn card; /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
@@ -245,6 +255,10 @@ void engine_fade_end(lf_engine *engine);
 void engine_hold_movie(lf_engine *engine);
 /* Posts a frame of what is shown. final: no other frame follows soon. */
 void engine_post_frame(lf_engine *engine, bool final);
+/* Prepares for the frames of a content that is to be committed, if it is a video. */
+lf_status engine_prepare_movie(lf_engine *engine, const lf_content *content, lf_error *err);
+/* Goes on with the video that is shown, after another content could not be committed. */
+void engine_keep_movie(lf_engine *engine);
 /* Starts the video of the content that has just been committed, if it is one. */
 void engine_begin_movie(lf_engine *engine);
 /* Ends the video that is shown, if any, before its content is let go. */

@@ -474,7 +474,7 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
             return status;
     }
     if (!is_toned(content))
-        return LF_OK;
+        return engine_prepare_movie(engine, content, err);
     const lf_layout *layout = &content->layout;
     const lf_film_settings film = film_now(engine, content);
     status = lf_picture_shape(&engine->picture, layout->n_views, layout->view_width,
@@ -527,8 +527,10 @@ static void recover(lf_engine *engine)
         engine->content = NULL;
     }
     start_over(engine);
-    if (engine->content)
+    if (engine->content) {
+        engine_keep_movie(engine);
         start_schedule(engine);
+    }
 }
 
 lf_status engine_run_commit(lf_engine *engine, engine_request *request)

@@ -267,13 +267,16 @@ static bool same_layout(const lf_layout *a, const lf_layout *b)
 static lf_status draw_again(const lf_roots *roots, lf_load *load, const lf_content *now,
                             lf_content **out)
 {
+    const lf_calibration *calibration = load->has_calibration ? &load->calibration : NULL;
     lf_options options = load->options;
     options.standing = now->standing;
     if (!now->is_rgbd || now->is_passed)
         return LF_OK;
     lf_status status =
-        lf_content_from_quilt(now->file, roots, &options,
-                              load->has_calibration ? &load->calibration : NULL, out, &load->err);
+        now->player
+            ? lf_content_from_movie(now->file, roots, &options, now->plays_once, calibration, out,
+                                    &load->err)
+            : lf_content_from_quilt(now->file, roots, &options, calibration, out, &load->err);
     if (status == LF_OK && !load->force && same_layout(&now->layout, &(*out)->layout)) {
         lf_content_unref(*out);
         *out = NULL;

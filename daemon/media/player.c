@@ -11,7 +11,7 @@
 #include "base/thread.h"
 #include "base/wakeup.h"
 #include "daemon/media/decoder.h"
-#include "daemon/media/pace.h"
+#include "daemon/media/movie_clock.h"
 
 #define N_FRAMES 3
 #define LOOK_MS 50
@@ -52,7 +52,7 @@ struct lf_player {
     pthread_mutex_t lock;
     /* under lock */
     bool stop;
-    lf_pace pace;
+    lf_movie_clock clock;
     slot waiting; /* until it is due */
     slot newest;  /* due and not taken */
     slot held;    /* taken */
@@ -88,16 +88,16 @@ static void hand_over(lf_player *player)
 /* Looks at the frame that waits. True: something has changed. */
 static bool judge(lf_player *player, uint64_t now, bool *out_moved)
 {
-    switch (lf_pace_judge(&player->pace, player->waiting.number, now, out_moved)) {
-    case LF_PACE_SHOW:
+    switch (lf_movie_clock_judge(&player->clock, player->waiting.number, now, out_moved)) {
+    case LF_CLOCK_SHOW:
         hand_over(player);
         return true;
-    case LF_PACE_DROP:
+    case LF_CLOCK_DROP:
         player->waiting = no_slot;
         player->status.due++;
         player->status.dropped++;
         return true;
-    case LF_PACE_WAIT:
+    case LF_CLOCK_WAIT:
         break;
     }
     return false;
@@ -107,8 +107,8 @@ static bool judge(lf_player *player, uint64_t now, bool *out_moved)
 static bool end_in_time(lf_player *player, uint64_t now)
 {
     if (!player->is_over || player->status.ended || player->status.failed ||
-        player->waiting.at >= 0 || player->pace.paused > 0 ||
-        now < lf_pace_due(&player->pace, player->n_read))
+        player->waiting.at >= 0 || player->clock.paused > 0 ||
+        now < lf_movie_clock_due(&player->clock, player->n_read))
         return false;
     player->status.rounds = player->round + 1;
     player->status.ended = true;
@@ -125,7 +125,9 @@ static void tell_news(lf_player *player)
 static void fail(lf_player *player, const lf_error *err)
 {
     player->is_over = true;
+    player->is_full = false;
     pthread_mutex_lock(&player->lock);
+    player->waiting = no_slot;
     player->status.failed = true;
     player->status.err = *err;
     pthread_mutex_unlock(&player->lock);
@@ -222,8 +224,9 @@ static agenda plan(lf_player *player)
     if (player->filling.at < 0)
         player->filling = free_slot(player);
     a.reads = player->decoder && !player->is_over && !player->is_full && player->filling.at >= 0;
-    const bool waits = player->waiting.at >= 0 && player->pace.paused == 0;
-    const uint64_t due = waits ? lf_pace_due(&player->pace, player->waiting.number) : UINT64_MAX;
+    const bool waits = player->waiting.at >= 0 && player->clock.paused == 0;
+    const uint64_t due =
+        waits ? lf_movie_clock_due(&player->clock, player->waiting.number) : UINT64_MAX;
     if (due < now + a.wait_ns)
         a.wait_ns = due > now ? due - now : 0;
     pthread_mutex_unlock(&player->lock);
@@ -374,8 +377,9 @@ lf_status lf_player_start(lf_player *player, void (*news)(void *context), void *
         return LF_OK;
     player->news = news;
     player->context = context;
-    lf_pace_start(&player->pace, player->movie.info.rate, player->movie.info.per, lf_time_now_ns());
-    lf_pace_pause(&player->pace, player->status.paused, lf_time_now_ns());
+    lf_movie_clock_start(&player->clock, player->movie.info.rate, player->movie.info.per,
+                         lf_time_now_ns());
+    lf_movie_clock_pause(&player->clock, player->status.paused, lf_time_now_ns());
     player->status.due = 1;
     lf_status status = lf_thread_start("lf-player", player_main, player, &player->thread);
     player->started = status == LF_OK;
@@ -399,7 +403,7 @@ void lf_player_stop(lf_player *player)
 void lf_player_pause(lf_player *player, bool paused)
 {
     pthread_mutex_lock(&player->lock);
-    lf_pace_pause(&player->pace, paused, lf_time_now_ns());
+    lf_movie_clock_pause(&player->clock, paused, lf_time_now_ns());
     player->status.paused = paused;
     pthread_mutex_unlock(&player->lock);
     lf_wakeup_signal(player->wakeup);

@@ -143,28 +143,84 @@ lf_status lf_content_from_sent_quilt(const char *name, const lf_sent_quilt *sent
     return status;
 }
 
-lf_status lf_content_from_movie(const char *file, const lf_roots *roots, const lf_options *options,
-                                bool plays_once, const lf_calibration *calibration,
-                                lf_content **out_content, lf_error *err)
+/* Takes over the player, also on failure. layout: of the views as they are shown. */
+static lf_status take_player(const char *file, const lf_options *options, lf_player *player,
+                             const lf_layout *layout, lf_content **out_content, lf_error *err)
 {
-    const lf_photo photo = photo_of(options, calibration);
-    lf_player *player;
-    lf_status status = lf_player_create(file, roots, options->columns, options->rows, &photo,
-                                        lf_import_is_stopped, &player, err);
-    if (status != LF_OK)
-        return status;
     lf_content *content = content_create(file);
     if (!content) {
         lf_player_destroy(player);
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
     }
-    const lf_movie *movie = lf_player_movie(player);
-    lf_player_set_once(player, plays_once);
     content->player = player;
-    content->quilt.layout = content->layout = movie->layout;
-    content->quilt.notes = movie->notes;
+    content->standing = options->standing;
+    content->quilt.layout = content->layout = *layout;
+    content->quilt.notes = lf_player_movie(player)->notes;
     lf_log_notes(&content->quilt.notes, file);
     *out_content = content;
+    return LF_OK;
+}
+
+/* A video with depth: its pictures are decoded whole, and the engine draws the views. */
+static lf_status open_rgbd(const char *file, const lf_roots *roots, const lf_options *options,
+                           lf_rgbd_in side, const lf_photo *photo,
+                           const lf_calibration *calibration, lf_content **out_content,
+                           lf_error *err)
+{
+    const lf_photo whole = {0};
+    lf_player *player;
+    lf_layout layout;
+    int width, height;
+    if (photo->rotate != LF_TURN_NONE)
+        return lf_error_set(err, LF_E_ARG, file,
+                            "photo_rotate does not apply to videos with depth; rotate the video "
+                            "with ffmpeg");
+    lf_status status = lf_standing_check(&options->standing, file, err);
+    if (status == LF_OK)
+        status = lf_player_create(file, roots, 1, 1, &whole, lf_import_is_stopped, &player, err);
+    if (status != LF_OK)
+        return status;
+    const lf_movie *movie = lf_player_movie(player);
+    const lf_views8 *views = &movie->views;
+    status = lf_rgbd_size(side, views->width, views->height, file, &width, &height, err);
+    const double pixel = movie->layout.aspect * views->height / views->width;
+    const double aspect = photo->aspect > 0 ? photo->aspect : pixel * width / height;
+    if (status == LF_OK)
+        status = lf_rgbd_layout(options, aspect, calibration, &layout, err);
+    if (status == LF_OK)
+        status = take_player(file, options, player, &layout, out_content, err);
+    else
+        lf_player_destroy(player);
+    if (status != LF_OK)
+        return status;
+    (*out_content)->is_rgbd = true;
+    (*out_content)->rgbd = lf_rgbd_of(&options->standing, side, NULL);
+    (*out_content)->rgbd.photo = *photo;
+    (*out_content)->pixel_aspect = aspect * height / width;
+    return LF_OK;
+}
+
+lf_status lf_content_from_movie(const char *file, const lf_roots *roots, const lf_options *options,
+                                bool plays_once, const lf_calibration *calibration,
+                                lf_content **out_content, lf_error *err)
+{
+    const lf_photo photo = photo_of(options, calibration);
+    const lf_rgbd_in side = lf_rgbd_side_of(&options->standing, file);
+    lf_player *player;
+    lf_status status;
+    if (side != LF_RGBD_IN_OFF) {
+        status = open_rgbd(file, roots, options, side, &photo, calibration, out_content, err);
+    } else {
+        status = lf_player_create(file, roots, options->columns, options->rows, &photo,
+                                  lf_import_is_stopped, &player, err);
+        if (status == LF_OK)
+            status = take_player(file, options, player, &lf_player_movie(player)->layout,
+                                 out_content, err);
+    }
+    if (status != LF_OK)
+        return status;
+    lf_player_set_once((*out_content)->player, plays_once);
+    (*out_content)->plays_once = plays_once;
     return LF_OK;
 }
 

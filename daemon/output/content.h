@@ -13,7 +13,10 @@ typedef struct lf_content {
     lf_scene *scene;             /* NULL: a quilt picture */
     lf_quilt_file quilt;         /* when scene is NULL; of a video it has only layout and notes */
     lf_player *player;           /* a video; NULL: none. The engine starts and stops it */
-    bool is_rgbd;                /* its views were drawn from a picture with depth */
+    bool is_rgbd;                /* its views are drawn from pictures with depth */
+    lf_rgbd rgbd;                /* of a video with depth … */
+    double pixel_aspect;         /* … and width / height of its pixels */
+    bool plays_once;             /* a video holds its last frame at the end */
     lf_standing standing;        /* when scene is NULL: how it stands */
     char *file;                  /* absolute path of its source file; patches do not change it */
     json_t *sent;                /* the document that a client sent; NULL: it is in file, which is

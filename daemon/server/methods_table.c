@@ -63,8 +63,8 @@ static const lf_method methods[] = {
      "scene.load file=/home/me/helmet.glb",
      OBJECT(
          KEY("file", STRING,
-             "path of a scene, model, volume, quilt image or folder of views; quiltctl makes it "
-             "absolute") ","
+             "path of a scene, model, volume, quilt image, quilt video or folder of views; "
+             "quiltctl makes it absolute") ","
          KEY("scene", "\"type\":\"object\",\"additionalProperties\":true",
              "scene document, instead of file; its paths are absolute") ","
          KEY("scene_fd", BOOLEAN("false"),

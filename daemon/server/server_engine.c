@@ -27,9 +27,10 @@ static json_t *frame_json(const lf_shown *shown)
 static bool is_worth_telling(lf_server *server, const lf_shown *shown, bool news)
 {
     const double now = lf_time_now();
-    if (!news && (shown->fades || (shown->moves && now - server->told_of_frame < FRAME_NEWS_S)))
+    if (!news &&
+        (shown->fades || (shown->moves && now - server->life.told_of_frame < FRAME_NEWS_S)))
         return false;
-    server->told_of_frame = now;
+    server->life.told_of_frame = now;
     return true;
 }
 

@@ -125,6 +125,7 @@ typedef struct lf_life {
     lf_task *held;               /* loads that arrived before the scene of the command line */
     /* CPU seconds of the longest turn of the event loop (turns.h) */
     double longest_turn;
+    double told_of_frame; /* lf_time_now of the last notification of a frame */
 } lf_life;
 
 struct lf_server {
@@ -154,7 +155,6 @@ struct lf_server {
     lf_error error;        /* error of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
     lf_shown shown;        /* the frame on the panel */
-    double told_of_frame;  /* lf_time_now of the last notification of a frame that moves */
     lf_waits *waits;
     lf_jobs *jobs;
     lf_gallery gallery;

@@ -11,6 +11,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "daemon/media/movie.h"
 #include "daemon/output/content.h"
 #include "daemon/output/fit.h"
 #include "daemon/output/hld.h"
@@ -554,6 +555,17 @@ static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
     return LF_OK;
 }
 
+/* Opens what is to be rendered, or a finished image. */
+static lf_status open_input(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    if (!a->depth.batch && lf_is_movie(a->scene, NULL))
+        return lf_error_set(err, LF_E_ARG, a->scene,
+                            "is a video, which quiltd plays; take images from it with ffmpeg -i "
+                            "FILE frame_%%04d.png");
+    return a->depth.batch || lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+}
+
 lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -569,8 +581,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
     if (a->kind->is_drawn)
         r->print = a->print;
     else if (status == LF_OK)
-        status =
-            a->depth.batch || lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+        status = open_input(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
         status = provide_for_views(r, err);
     if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)

@@ -1,5 +1,6 @@
 /* quiltbench from outside: its numbers on pictures whose errors are known, its limits as exit
  * codes. */
+#include "tests/daemon/movies.h"
 #include "tests/daemon/quiltbench.h"
 #include "tests/scene_file.h"
 
@@ -609,6 +610,26 @@ static void what_is_left_out_is_timed_and_leaves_the_picture(void **state)
     assert_int_equal(bench_run(d, "skip --passes 0"), 2);
 }
 
+/* A video is decoded frame by frame; the first frame only starts the clock. */
+static void a_frame_of_a_video_is_timed(void **state)
+{
+    const char *d = *state;
+    if (!movie_programs_exist()) {
+        print_message("ffmpeg is not installed\n");
+        skip();
+    }
+    (void)movie_make(d, "v_qs3x2a0.75.mp4", 6, 10, MOVIE_LOSSLESS);
+    assert_int_equal(bench_run(d, "video v_qs3x2a0.75.mp4 --frames 100 --json v.json"), 0);
+    json_t *v = bench_load(d, "v.json");
+    assert_true(bench_number(v, "frames") > 4 && bench_number(v, "frames") < 6);
+    assert_true(bench_number(v, "ffmpeg_cpu_ms") > 0);
+    assert_true(bench_number(v, "interlace_ms") > 0);
+    assert_true(bench_number(v, "frame_ms") >= bench_number(v, "interlace_ms"));
+    json_decref(v);
+    assert_int_equal(bench_run(d, "video v.json"), 1);
+    assert_int_equal(bench_run(d, "video"), 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -632,6 +653,7 @@ int main(void)
         lf_test_in_folder(what_is_shown_after_a_command_comes_closer),
         lf_test_in_folder(what_a_usb_display_is_sent_is_timed_and_ends_exact),
         lf_test_in_folder(what_is_left_out_is_timed_and_leaves_the_picture),
+        lf_test_in_folder(a_frame_of_a_video_is_timed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

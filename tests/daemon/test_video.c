@@ -272,6 +272,17 @@ static void without_ffmpeg_nothing_is_rendered(void **state)
     assert_int_equal(qr_count_files(f->folder), before);
 }
 
+/* It is recognised by its first bytes, without ffmpeg. */
+static void a_video_is_no_input(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    lf_test_write(f->folder, "in_qs1x1.gif", "GIF89a and so on");
+    setenv("PATH", f->folder, 1);
+    qr_run(&o, "%s/in_qs1x1.gif -o %s/o.png", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "is a video, which quiltd plays; take images from it with ffmpeg -i");
+}
+
 static void assert_gone(const char *pid_file)
 {
     char text[32] = "";
@@ -423,6 +434,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(
             a_failing_ffmpeg_is_one_line_and_leaves_the_file_that_was_there, set_up, tear_down),
         cmocka_unit_test_setup_teardown(without_ffmpeg_nothing_is_rendered, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_video_is_no_input, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_terminated_video_leaves_nothing_within_two_seconds,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_real_loop_has_the_frames_and_square_pixels, set_up,

@@ -325,7 +325,7 @@ export interface Calls {
   /** show a scene file, a model, a volume or a quilt image */
   "scene.load": {
     params: {
-      /** path of a scene, model, volume, quilt image or folder of views; quiltctl makes it absolute */
+      /** path of a scene, model, volume, quilt image, quilt video or folder of views; quiltctl makes it absolute */
       "file"?: string;
       /** scene document, instead of file; its paths are absolute */
       "scene"?: { [key: string]: unknown };
