@@ -147,7 +147,8 @@ static const lf_method methods[] = {
              "default time of an entry; a video plays once through") ","
          KEY("loop", BOOLEAN("true"), "start again after the last entry") ","
          KEY("crossfade", NUMBER("seconds") RANGE("0", "10") DEFAULT("0"),
-             "time in which an image turns into the next one")),
+             "time in which an image turns into the next one") ","
+         KEY("check", BOOLEAN("false"), "check all and answer as usual, but change nothing")),
      lf_server_playlist_set},
     {"playlist.get", "return the slideshow", "playlist.get", OBJECT(""), lf_server_playlist_get},
     {"playlist.play", "start the slideshow, or go to an entry", "playlist.play index=0",

@@ -645,6 +645,8 @@ export interface Calls {
       "loop"?: boolean;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
+      /** check all and answer as usual, but change nothing */
+      "check"?: boolean;
     };
     result: {
       /** what is shown, in this order */
