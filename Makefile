@@ -19,6 +19,7 @@
 #   make mutants            break one line at a time and list the changes that no test detects; T=render: only those with this word
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
+#   make check-clients      bridge.js, a WebXR page in a browser, nngcat and the requests of other programs, before quiltweb
 #   make T=render check     only the tests whose path holds this word; WITHOUT='tests/render/test_bias …' leaves those out
 #   make tests              builds what make check runs, with the same T and WITHOUT
 #   make build/release/tests/base/test_file     one test program
@@ -47,6 +48,7 @@ PREFIX ?= /usr/local
 BINDIR ?= $(PREFIX)/bin
 DATADIR ?= $(PREFIX)/share
 UNITDIR ?= $(PREFIX)/lib/systemd/system
+USERUNITDIR ?= $(PREFIX)/lib/systemd/user
 SYSUSERSDIR ?= $(PREFIX)/lib/sysusers.d
 TMPFILESDIR ?= $(PREFIX)/lib/tmpfiles.d
 UDEVDIR ?= $(PREFIX)/lib/udev/rules.d
@@ -66,7 +68,7 @@ libraries := web tools server engine papers render quilt model device base
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 check-kernel check-distro run bench bench-page bench-playlist verify lint fuzz soak mutants deb
+front := check check-arm64 check-clients check-kernel check-distro run bench bench-page bench-playlist verify lint fuzz soak mutants deb
 # Goals that need no library flags.
 light := $(front) deps clean help python
 goals := $(or $(MAKECMDGOALS),all)
@@ -217,7 +219,7 @@ $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
-.PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
+.PHONY: tests fuzz-targets check-now check-arm64-now check-clients-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
 tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh js.sh page_modules.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh page.sh web_soak.sh) arm64.sh)
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
@@ -227,6 +229,11 @@ check-now: tests
 
 check-arm64-now: $(O)/tests/arm64/results
 	@$(run_tests) $(SRCDIR)/tests/arm64.sh
+
+# a line per step, then the sum
+check-clients-now: all
+	@rc=0; TEST_TIMEOUT=$${TEST_TIMEOUT:-1800} $(run_tests) $(SRCDIR)/tests/clients.sh > $(O)/clients.sum || rc=1; \
+	 grep -v '^\[  PASSED  \]\|^\[==' $(O)/tests/clients.sh.log; tail -n 1 $(O)/clients.sum; exit $$rc
 
 # T=word: only the cases with that word
 check-kernel-now: all $(kernel_programs)
@@ -299,6 +306,9 @@ check verify soak mutants:
 	@$(self) $(jobs) $@-now
 check-arm64:
 	@$(SRCDIR)/.ci/deps install build arm64
+	@$(self) $(jobs) $@-now
+check-clients:
+	@$(SRCDIR)/.ci/deps install build clients
 	@$(self) $(jobs) $@-now
 check-kernel:
 	@$(SRCDIR)/.ci/deps install build kernel

@@ -77,7 +77,8 @@ static void take_exif(walk *w)
 
 static void take_aspect(walk *w)
 {
-    if (w->n >= 9)
+    static const uint8_t unknown[8]; /* ffmpeg's */
+    if (w->n >= 9 && memcmp(w->data, unknown, 8) != 0)
         lf_image_metadata_aspect(w->source->meta, "pHYs",
                                  (double)lf_be32(w->data + 4) / lf_be32(w->data));
 }

@@ -96,7 +96,6 @@ static double settle(const lf_param *row, double degrees)
     return fabs(degrees - row->high) <= 1e-9 * fabs(row->high) ? row->high : degrees;
 }
 
-/* Both numbers of a raster. */
 static void raster_at(const lf_param *row, const void *object, double out[2])
 {
     memcpy(out, (const char *)object + row->place, 2 * sizeof *out);
@@ -237,7 +236,8 @@ static bool read_raster(const lf_param *row, const char *text, double out[2])
 /* The value of a text; not for rasters. */
 static bool read_value(const lf_param *row, const char *text, double *out)
 {
-    const int index = word_of(row, 0) && text ? word_index(row, text) : -1;
+    int index = word_of(row, 0) && text ? word_index(row, text) : -1;
+    index = row->optional && !text ? (int)row->low : index;
     int64_t whole = 0;
     if (row->type == LF_PARAM_LIST)
         return text && read_list(row, text, out);
@@ -386,9 +386,7 @@ static lf_status take_parts(const lf_param *row, const char *text, void *object,
 lf_status lf_param_from_text(const lf_param *row, const char *text, void *object, lf_error *err)
 {
     lf_status status = LF_OK;
-    if (row->type == LF_PARAM_WORD && row->optional && !text)
-        put_number(row, row->low, object);
-    else if (row->type == LF_PARAM_TEXT)
+    if (row->type == LF_PARAM_TEXT)
         *text_place(row, object) = text;
     else
         status = row->type == LF_PARAM_SEED ? take_seed(row, text, object, err)

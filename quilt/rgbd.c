@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---------------------------------------------------------------------------------- options -- */
+/* ----------------------------------------------------------------------------------- options -- */
 
 static const char *const sides[] = {[LF_RGBD_IN_AUTO] = "auto",
                                     [LF_RGBD_IN_OFF] = "off",
@@ -22,8 +22,7 @@ static const char *const switches[] = {"off", "on", NULL};
 const lf_param lf_standing_params[] = {
     {.name = "rgbd_in", .option = "rgbd-in", .argument = "SIDE", PLACE(rgbd_in),
      .type = LF_PARAM_WORD, .words = sides, .optional = true, .low = LF_RGBD_IN_RIGHT,
-     .help = "where the depth of an RGBD image is; without SIDE right; auto: right if the name "
-             "ends with _rgbd",
+     .help = "where the depth of an RGBD image is; auto: right if named ..._rgbd",
      .about = "where the depth of an RGBD image is; auto: right if the name ends with _rgbd"},
     {.name = "depth_inversion", .option = "depth-inversion", .argument = "off|on",
      PLACE(depth_inversion), .type = LF_PARAM_WORD, .words = switches,
@@ -35,10 +34,11 @@ const lf_param lf_standing_params[] = {
      .high = 4, .initial = 1, .help = "factor of the depth of an RGBD image"},
     {.name = "depth_cutoff", .option = "depth-cutoff", .argument = "C", PLACE(depth_cutoff),
      .low = 0, .high = 1,
-     .help = "least depth code of an RGBD image, 0 far to 1 near; farther points come up to it"},
+     .help = "least depth code of an RGBD image; farther points come up to it"},
     {.name = "focus", .option = "focus", .argument = "F", PLACE(focus), .low = -1, .high = 1,
-     .help = "shift of a finished image: the outermost views move by F of their width; above 0 "
-             "it moves back behind the glass"},
+     .help = "shift of a finished image between views; above 0 it moves behind the glass",
+     .about = "shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of "
+              "its width; above 0 it moves behind the glass"},
     {.name = "zoom", .option = "zoom", .argument = "N", PLACE(zoom), .low = 0.1, .high = 4,
      .initial = 1, .help = "scale of a finished image about the middle of the view"},
     {.name = "crop_x", .option = "crop-x", .argument = "X", PLACE(crop_x), .low = -2, .high = 2,
@@ -80,7 +80,7 @@ bool lf_standing_is_plain(const lf_standing *standing)
            standing->crop_x == 0 && standing->crop_y == 0;
 }
 
-/* --------------------------------------------------------------------------------- geometry -- */
+/* ---------------------------------------------------------------------------------- geometry -- */
 
 /* Disparities beyond this many widths are no picture's. */
 #define MOST_DISPARITY 4.0

@@ -23,7 +23,7 @@
 
 #include "quilt/quilt.h"
 
-/* ---------------------------------------------------------------------------------- options -- */
+/* ----------------------------------------------------------------------------------- options -- */
 
 /* Where the depth half is. */
 typedef enum lf_rgbd_in {
@@ -172,7 +172,7 @@ LF_NODISCARD lf_status lf_rgbd_file_draw(const lf_rgbd_file *file, const char *n
                                          lf_error *err);
 void lf_rgbd_file_close(lf_rgbd_file *file);
 
-/* --------------------------------------------------------------------------- finished views -- */
+/* ---------------------------------------------------------------------------- finished views -- */
 
 /* True if focus, zoom and crop leave a finished picture as it is. */
 bool lf_standing_is_plain(const lf_standing *standing);

@@ -88,8 +88,7 @@ void lf_rgbd_row_take(lf_rgbd_row *row, const lf_rgbd_surface *surface, int y)
     find_edges(row);
 }
 
-/* --------------------------------------------------------------------------------------- view --
- */
+/* -------------------------------------------------------------------------------------- view -- */
 
 /* The samples of a view that an edge at a column leaves to its right: the first whose middle is not
  * left of it, 0..n. */
@@ -136,8 +135,7 @@ static void paint_all(lf_rgbd_row *row, const lf_rgbd_move *move, int n)
             paint(row, j);
 }
 
-/* -------------------------------------------------------------------------------------- holes --
- */
+/* ------------------------------------------------------------------------------------- holes -- */
 
 /* Pixels at the rim of a hole that are not repeated, because their colours may be mixed with those
  * in front. */

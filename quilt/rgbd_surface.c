@@ -5,8 +5,7 @@
 
 #include "base/alloc.h"
 
-/* -------------------------------------------------------------------------------------- light --
- */
+/* ------------------------------------------------------------------------------------- light -- */
 
 void lf_rgbd_light_init(lf_rgbd_light *light)
 {
@@ -22,8 +21,7 @@ void lf_rgbd_light_init(lf_rgbd_light *light)
     }
 }
 
-/* ------------------------------------------------------------------------------------- memory --
- */
+/* ------------------------------------------------------------------------------------ memory -- */
 
 lf_status lf_rgbd_surface_init(lf_rgbd_surface *surface, int n, int height)
 {
@@ -73,8 +71,7 @@ void lf_rgbd_strip_finish(lf_rgbd_strip *strip)
     *strip = (lf_rgbd_strip){0};
 }
 
-/* -------------------------------------------------------------------------------- from pixels --
- */
+/* ------------------------------------------------------------------------------- from pixels -- */
 
 /* Red is near, and blue, a third of the circle beyond green, is far. Magentas beyond blue count as
  * the end that they are closer to. Grey, black and white have no hue: far. */
@@ -186,8 +183,7 @@ void lf_rgbd_surface_take(lf_rgbd_surface *surface, int y, const lf_rgbd *rgbd,
     }
 }
 
-/* -------------------------------------------------------------------------------------- steps --
- */
+/* ------------------------------------------------------------------------------------- steps -- */
 
 /* The least and the greatest code at most `reach` pixels from pixel j of row y along both axes. */
 static void range_at(const lf_rgbd_surface *s, int y, int j, int reach, float *out_least,
@@ -223,6 +219,20 @@ void lf_rgbd_surface_sharpen(const lf_rgbd_surface *surface, int y)
                  : code[j] - least < 0.45f * range ? least
                  : most - code[j] < 0.45f * range  ? most
                                                    : code[j];
+    }
+}
+
+void lf_rgbd_surface_join(const lf_rgbd_surface *surface, int y)
+{
+    const size_t start = (size_t)y * (size_t)surface->n;
+    const float *code = surface->code + start;
+    float *out = surface->spare + start;
+    for (int j = 0; j < surface->n; j++) {
+        float least, most;
+        range_at(surface, y, j, 1, &least, &most);
+        const bool is_between =
+            most - code[j] > (float)LF_RGBD_STEP && code[j] - least > (float)LF_RGBD_STEP;
+        out[j] = is_between ? most : code[j];
     }
 }
 

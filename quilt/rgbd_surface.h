@@ -53,7 +53,9 @@ void lf_rgbd_surface_take(lf_rgbd_surface *surface, int y, const lf_rgbd *rgbd,
  * surface. To be done LF_RGBD_SHARPEN times, and each time the caller swaps code and spare. */
 enum { LF_RGBD_SHARPEN = 3 };
 void lf_rgbd_surface_sharpen(const lf_rgbd_surface *surface, int y);
-/* The same for the last step: what is in front of a step grows by one pixel. */
+/* The same, once, for what is between two steps: a mixture, which joins the nearer side. */
+void lf_rgbd_surface_join(const lf_rgbd_surface *surface, int y);
+/* The same for the last steps: what is in front of a step grows by one pixel. */
 void lf_rgbd_surface_widen(const lf_rgbd_surface *surface, int y);
 
 #endif

@@ -33,7 +33,7 @@ struct lf_rgbd_warp {
     lf_rgbd_strip *strip; /* [n_workers] */
 };
 
-/* ----------------------------------------------------------------------------------- layout -- */
+/* ------------------------------------------------------------------------------------ layout -- */
 
 /* The place of n in [low, high) after mirroring at both ends. */
 static int mirrored(int n, int low, int high)
@@ -276,6 +276,12 @@ static void sharpen_row(void *context, int y, int worker)
     lf_rgbd_surface_sharpen(&((const warp_run *)context)->warp->surface, y);
 }
 
+static void join_row(void *context, int y, int worker)
+{
+    (void)worker;
+    lf_rgbd_surface_join(&((const warp_run *)context)->warp->surface, y);
+}
+
 static void widen_row(void *context, int y, int worker)
 {
     (void)worker;
@@ -318,8 +324,11 @@ void lf_rgbd_warp_run(lf_rgbd_warp *warp, const lf_rgbd_picture *picture, uint8_
     assert(!warp->row || !pool || lf_pool_threads(pool) <= warp->n_workers);
     if (warp->row)
         run_rows(&run, take_row, surface->height, pool);
-    for (int i = 0; warp->row && i < LF_RGBD_SHARPEN + warp->n_widen; i++) {
-        run_rows(&run, i < LF_RGBD_SHARPEN ? sharpen_row : widen_row, surface->height, pool);
+    for (int i = 0; warp->row && i <= LF_RGBD_SHARPEN + warp->n_widen; i++) {
+        const lf_pool_fn step = i < LF_RGBD_SHARPEN    ? sharpen_row
+                                : i == LF_RGBD_SHARPEN ? join_row
+                                                       : widen_row;
+        run_rows(&run, step, surface->height, pool);
         float *next = surface->spare;
         surface->spare = surface->code;
         surface->code = next;
@@ -339,8 +348,7 @@ lf_status lf_rgbd_views(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- looks --
- */
+/* ------------------------------------------------------------------------------------- looks -- */
 
 static bool is_grey(const uint8_t *rgb)
 {

@@ -43,7 +43,7 @@ for word in "$@"; do
     esac
     arguments+=("$word")
 done
-case $1 in photos/ | photo.jpg | *_qs*.png) size=1 length=1 ;; esac # a finished image
+case $1 in photos/ | photo.jpg | *_qs*.png | *_rgbd.png | holiday.jpg | album/) size=1 length=1 ;; esac # a finished image
 case "$program $1" in
 quiltd\ *) arguments+=(--threads 1) && [ -n "$device" ] || arguments+=(--device sim:panel) ;;
 quiltrender\ *) [ -n "$length" ] || arguments+=(--passes 1) ;;
@@ -73,7 +73,7 @@ set_up_reader() { # folder, size of views: the reader's programs, home, session 
 # is a file of settings, is a formula, or is a part of a scene.
 elsewhere() { # command
     case $1 in
-    make\ * | *' make '* | *\ -m\ pip\ * | sudo\ * | journalctl\ * | "echo 'deb "*) ;;
+    make\ * | *' make '* | *\ -m\ pip\ * | sudo\ * | systemctl\ * | journalctl\ * | "echo 'deb "*) ;;
     *\ /usr/share/*) ;;
     python3\ *) ! command -v python3 > /dev/null ;;
     [A-Z]*=*) ;;
@@ -111,11 +111,14 @@ start_simulator() { # command
     wait "$simulator" 2> /dev/null
     grep -q ' attach -r ' sim.log
 }
-# A server, too, at a port that is free: it has to print its URL.
+# A server, too, at ports that are free: it has to print its URL.
 start_gateway() { # command
-    local gateway
+    local gateway command=$1
+    command=${command/ --bridge/ --bridge=0,0}
+    command=${command/ --webxr/ --webxr=0}
+    command=${command/ --nng/ --nng=nng.ipc}
     : > web.log
-    eval "exec $1 --listen 127.0.0.1:0" > web.log 2>&1 &
+    eval "exec $command --listen 127.0.0.1:0" > web.log 2>&1 &
     gateway=$!
     until grep -q '^https\?://' web.log; do
         kill -0 "$gateway" 2> /dev/null || break

@@ -15,6 +15,8 @@ reader() { # name of a page
     [ ! -e ../getting-started/scene.json ] || cp ../getting-started/scene.json . # which the page on scripts goes on from
     printf '{ "pitch": 52, "slope": -7, "center": 0.5, "DPI": 324, "screenW": 300, "screenH": 400 }\n' > visual.json
     quiltrender helmet.glb -o helmet.png && quiltrender helmet.glb -o photo.jpg --still && cp photo.jpg photos/1.jpg && cp photo.jpg photos/2.jpg
+    quiltrender helmet.glb -o photo_rgbd.png --rgbd right && quiltrender helmet.glb -o top.png --rgbd top && mv top.png holiday.jpg
+    quiltrender helmet.glb -o depth.png --still && mkdir album && cp photo_rgbd.png album/1.png && cp photo_rgbd.png album/2.png
 }
 
 # A page with mistakes: each has to be reported.

@@ -29,7 +29,8 @@ missing() {
         share/quiltd/scenes/first-light.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 share/man/man1/quiltsim.1 share/man/man1/quiltweb.1 \
         share/bash-completion/completions/quilt{d,ctl,render,sim,bench,web} share/zsh/vendor-completions/_quilt{d,ctl,render,sim,bench,web} \
         share/fish/vendor_completions.d/quilt{d,ctl,render,sim,bench,web}.fish \
-        lib/systemd/system/quiltd.{service,socket} lib/systemd/system/quiltweb.{service,socket} lib/sysusers.d/quiltd.conf \
+        lib/systemd/system/quiltd.{service,socket} lib/systemd/system/quiltweb.{service,socket} lib/systemd/system/quiltweb-{bridge,events,webxr}.socket \
+        lib/systemd/user/quiltweb.{service,socket} lib/systemd/user/quiltweb-{bridge,events,webxr,nng}.socket lib/sysusers.d/quiltd.conf \
         lib/tmpfiles.d/quiltd.conf lib/udev/rules.d/70-quiltd.rules share/polkit-1/rules.d/60-quiltd.rules; do
         [ -s "$prefix/$f" ] || echo "$f"
     done
@@ -110,8 +111,10 @@ staged() {
 report "DESTDIR is where, PREFIX is what for" "$(staged)"
 
 if command -v systemd-analyze > /dev/null 2>&1; then
-    units=("$prefix"/lib/systemd/system/quilt{d,web}.{service,socket})
+    units=("$prefix"/lib/systemd/system/quilt*)
     report "systemd accepts the units" "$(systemd-analyze verify --man=no "${units[@]}" 2>&1 | grep -i quilt)"
+    units=("$prefix"/lib/systemd/user/quilt*)
+    report "systemd accepts the units for a session" "$(XDG_RUNTIME_DIR=$top systemd-analyze --user verify --man=no "${units[@]}" 2>&1 | grep -i quilt)"
     hardened() { # unit, most exposure
         systemd-analyze security --offline=true "$prefix/lib/systemd/system/$1" 2> /dev/null | sed -n 's/.*exposure level[^:]*: \([0-9.]*\).*/\1/p' |
             awk -v most="$2" '{ n++; if ($1 > most) print "exposure " $1 ", expected at most " most } END { if (n != 1) print "no exposure was told" }'
@@ -120,7 +123,7 @@ if command -v systemd-analyze > /dev/null 2>&1; then
     report "the gateway to browsers is hardened more" "$(hardened quiltweb.service 1.0)"
     report "too much exposure would be seen" "$(hardened quiltd.service 0.1 | grep -q expected || echo 'not seen')"
 else
-    for words in "systemd accepts the units" "the service is hardened" "the gateway to browsers is hardened more" "too much exposure would be seen"; do
+    for words in "systemd accepts the units" "systemd accepts the units for a session" "the service is hardened" "the gateway to browsers is hardened more" "too much exposure would be seen"; do
         skip "$words" "no systemd-analyze"
     done
 fi
@@ -130,9 +133,28 @@ closed() {
     for line in DynamicUser=yes Group=quiltd PrivateNetwork=yes PrivateDevices=yes IPAddressDeny=any IPAddressAllow=localhost RestrictAddressFamilies=AF_UNIX ProtectSystem=strict MemoryMax=3G; do
         grep -qxF "$line" "$prefix/lib/systemd/system/quiltweb.service" || echo "no $line"
     done
-    grep '^ListenStream=' "$prefix/lib/systemd/system/quiltweb.socket" | grep -vxE 'ListenStream=(127\.0\.0\.1|\[::1\]):8033'
+    grep -h '^ListenStream=' "$prefix"/lib/systemd/*/quiltweb*.socket | grep -vxE 'ListenStream=((127\.0\.0\.1|\[::1\]):(8033|33334|9724|11222)|/tmp/holoplay-driver\.ipc)'
 }
 report "the gateway's units keep it on this machine" "$(closed)"
+# quiltweb knows a door by the name of its socket (daemon/web/quiltweb.c), and all sockets are for the one service.
+doors() {
+    local folder name file line
+    for folder in system user; do
+        for name in bridge events webxr nng; do
+            file=$prefix/lib/systemd/$folder/quiltweb-$name.socket
+            [ "$folder $name" != "system nng" ] || continue # it would belong to root
+            for line in "FileDescriptorName=$name" Service=quiltweb.service; do
+                grep -qxF "$line" "$file" || echo "$folder/quiltweb-$name.socket: no $line"
+            done
+        done
+    done
+    grep -qxF SocketMode=0600 "$prefix/lib/systemd/user/quiltweb-nng.socket" || echo "others may open nng's socket"
+    grep -qF "\$QUILTWEB_OPTIONS" "$prefix"/lib/systemd/system/quiltweb.service || echo "no way to --allow-origin"
+    for line in RestrictAddressFamilies=AF_UNIX NoNewPrivileges=yes MemoryDenyWriteExecute=yes MemoryMax=3G; do
+        grep -qxF "$line" "$prefix/lib/systemd/user/quiltweb.service" || echo "for a session: no $line"
+    done
+}
+report "each door of the gateway has its socket" "$(doors)"
 if command -v groff > /dev/null 2>&1; then
     report "groff accepts the man pages" "$(for m in "$prefix"/share/man/man*/*.[1-9]; do groff -ww -Tutf8 -man "$m" 2>&1 > /dev/null; done)"
 else

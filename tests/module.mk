@@ -74,7 +74,7 @@ $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(pa
 wire_srcs := $(call wild,daemon/wire/*.c)
 
 # a gateway with a quiltd that does not exist
-gateway_srcs := tests/web/gateway.c tests/web/caller.c
+gateway_srcs := tests/web/gateway.c tests/web/false_slideshow.c tests/web/caller.c
 
 # a folder that cannot be read
 wrap_test_library_list := -Wl,--wrap=readdir
@@ -85,7 +85,11 @@ wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 # time that passes when the test says so
 wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 wrap_test_web_clients := $(wrap_test_web_time)
+wrap_test_bridge_time := $(wrap_test_web_time)
 wrap_test_nng := $(wrap_test_web_time)
+
+# clients of all doors, whose time passes in the same way
+wrap_test_doors_hostile = $(wrap_test_web_time)
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c

@@ -39,7 +39,7 @@ PAGES = [  # the first that fits
     ("developer", "docs/developer/**/*.md"),
 ]
 GLOSSARY = "docs/developer/glossary.md"
-PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltsim", "quiltbench"]
+PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltsim", "quiltbench", "quiltweb"]
 FOLDERS = ["base", "render", "quilt", "device", "daemon", "bench", "scenes", "clients", "tests", "docs", "systemd", "debian", ".ci"]
 
 FORBIDDEN = re.compile(
@@ -291,7 +291,8 @@ def knows(program, option):
     return "unknown option" not in (answer := help_of(program, option + "=") or "") and "is ambiguous" not in answer
 
 
-FOREIGN = "systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe"
+FOREIGN = "systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
+OF_OTHERS = re.compile(rf"\b(?:{FOREIGN})(?: [\w.@-]+)* --[a-z]\S*")
 OPTION = re.compile(r"(?<![\w/-])--[a-z][a-z0-9-]*(?<!-)")
 
 
@@ -301,12 +302,12 @@ def options_of(page):
     own = [pathlib.Path(page.path).stem] if page.path.endswith(".1") else []
     code = [*page.code, *re.findall(r"`([^`]+)`", page.text)]
     if own:
-        text = re.sub(rf"\b(?:{FOREIGN})(?: [\w.@-]+)* --[a-z]\S*", "", " ".join(page.paragraphs))
+        text = OF_OTHERS.sub("", " ".join(page.paragraphs))
         code = [*page.code, *OPTION.findall(text)]
     for line in code:
-        line = re.split(r"\s#\s", line)[0]
+        line = OF_OTHERS.sub("", re.split(r"\s#\s", line)[0])
         for found in OPTION.finditer(line):
-            before = re.findall(r"(?:^|[\s/|;&(])(quilt(?:d|ctl|render|sim|bench))(?=\s)", line[: found.start()])
+            before = re.findall(r"(?:^|[\s/|;&(])(quilt(?:d|ctl|render|sim|bench|web))(?=\s)", line[: found.start()])
             if before:
                 yield found.group(), before[-1:]
             elif line.lstrip().startswith("-") or own:

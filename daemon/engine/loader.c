@@ -255,6 +255,32 @@ static bool same_settings(const lf_content *a, const lf_content *b)
            (s->features || !t->features);
 }
 
+static bool same_layout(const lf_layout *a, const lf_layout *b)
+{
+    return a->n_views == b->n_views && a->columns == b->columns && a->rows == b->rows &&
+           a->view_width == b->view_width && a->view_height == b->view_height &&
+           a->aspect == b->aspect;
+}
+
+/* Draws a picture with depth for another panel; other finished pictures have the views that they
+ * have, and so has one that came by a descriptor. */
+static lf_status draw_again(const lf_roots *roots, lf_load *load, const lf_content *now,
+                            lf_content **out)
+{
+    lf_options options = load->options;
+    options.standing = now->standing;
+    if (!now->is_rgbd || now->is_passed)
+        return LF_OK;
+    lf_status status =
+        lf_content_from_quilt(now->file, roots, &options,
+                              load->has_calibration ? &load->calibration : NULL, out, &load->err);
+    if (status == LF_OK && !load->force && same_layout(&now->layout, &(*out)->layout)) {
+        lf_content_unref(*out);
+        *out = NULL;
+    }
+    return status;
+}
+
 static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf_load *load,
                               lf_content **out)
 {
@@ -266,7 +292,7 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
     const lf_content *now = loader->content;
     if (load->kind == LF_LOAD_APPLY) {
         if (!now || !now->scene)
-            return LF_OK;
+            return now ? draw_again(roots, load, now, out) : LF_OK;
         lf_status status =
             stage_of_scene(load, lf_scene_ref(now->scene), now->file, out, &load->err);
         if (status == LF_OK && !load->force && same_settings(now, *out)) {

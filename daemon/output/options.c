@@ -131,11 +131,11 @@ const lf_param lf_option_params[] = {
     {.name = "reconstruct", .option = "reconstruct", .former = "denoise",
      .argument = "auto|off|on", PLACE(denoise), .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
      .about = "former name of denoise"},
-    {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
+    {.option = "import-memory", .argument = "GIB", PLACE(import.memory), .low = 0.125,
      .high = 65536,
      .help = "memory limit for reading files, in GiB; below 0.1875 counts as 0.1875 "
              "(half of the RAM)"},
-    {.option = "import-time", .argument = "SECONDS", PLACE(import_time), .type = LF_PARAM_WHOLE,
+    {.option = "import-time", .argument = "SECONDS", PLACE(import.time), .type = LF_PARAM_WHOLE,
      .low = 1, .high = 86400, .initial = LF_IMPORT_SECONDS,
      .help = "time limit for reading all files of a scene"},
     {0},
@@ -144,8 +144,8 @@ const lf_param lf_option_params[] = {
 
 void lf_options_limit_import(const lf_options *options)
 {
-    lf_import_limit((uint64_t)(options->import_memory * 0x1p30),
-                    options->import_time > 0 ? options->import_time : LF_IMPORT_SECONDS);
+    lf_import_limit((uint64_t)(options->import.memory * 0x1p30),
+                    options->import.time > 0 ? options->import.time : LF_IMPORT_SECONDS);
 }
 
 /* -------------------------------------------------------------------------------- resolution -- */

@@ -48,6 +48,12 @@ typedef struct lf_file_options {
     int quality; /* of JPEG, 1..100; 0 = not given */
 } lf_file_options;
 
+/* Limits of the file readers. */
+typedef struct lf_import_options {
+    int time;      /* seconds; 0 = LF_IMPORT_SECONDS */
+    double memory; /* GiB; 0 = half of the machine's */
+} lf_import_options;
+
 /* Values of the shared options. Zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
@@ -71,14 +77,13 @@ typedef struct lf_options {
     lf_fit_option fit;
     lf_file_options file;
     double exposure; /* as in lf_exposed_film */
-    int import_time; /* seconds; 0 = LF_IMPORT_SECONDS */
     lf_denoise denoise;
     unsigned layers;         /* bits of lf_layer, in addition to the colours of EXR files */
     const char *calibration; /* a file */
-    double import_memory;    /* GiB; 0 = half of the machine's */
-    lf_photo photo;          /* for finished pictures: lf_photo_params */
-    lf_standing standing;    /* for finished pictures: lf_standing_params */
-    lf_alone alone;          /* for files without a scene: lf_alone_params */
+    lf_import_options import;
+    lf_photo photo;       /* for finished pictures: lf_photo_params */
+    lf_standing standing; /* for finished pictures: lf_standing_params */
+    lf_alone alone;       /* for files without a scene: lf_alone_params */
 } lf_options;
 
 /* The option of the calibration is --panel in quiltrender and --calibration elsewhere. JSON keys
@@ -90,7 +95,7 @@ extern const lf_param lf_option_params[];
     "integrator estimator sampler max-depth skip threads seed denoise reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
-/* Applies import_memory and import_time to the file readers (lf_import_limit). */
+/* Applies options->import to the file readers (lf_import_limit). */
 void lf_options_limit_import(const lf_options *options);
 
 /* The scene's film settings with this exposure in stops; INFINITY = auto, -INFINITY = the scene's
@@ -155,8 +160,8 @@ typedef struct lf_options_rules {
  * operand; operands may be anywhere.
  *
  * The word after an option with an optional argument is its argument. Exceptions are words that
- * begin with -, contain a dot or a slash, or name a file; they need --OPTION=WORD. If the option has
- * words, one of them is always its argument, and the name of a folder is not.
+ * begin with -, contain a dot or a slash, or name a file; they need --OPTION=WORD. If the option
+ * has words, one of them is always its argument, and the name of a folder is not.
  *
  * True in *out_done: help, version or completion was requested and has been printed, and the rest
  * was not read. Completion must be the only option. LF_E_ARG: an unknown or ambiguous option, a

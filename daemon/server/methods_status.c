@@ -79,6 +79,11 @@ static void add_content(const lf_server *server, json_t *status)
                              layout->view_height, "aspect", layout->aspect);
     json_object_update(status, more);
     json_decref(more);
+    if (!content->scene) {
+        json_object_set_new(status, "is_rgbd", json_boolean(content->is_rgbd));
+        json_object_set_new(status, "standing",
+                            lf_param_json(lf_standing_params, &content->standing));
+    }
     if (content->scene) {
         const char *integrator = content->settings.integrator;
         const lf_camera *camera = &content->settings.camera;

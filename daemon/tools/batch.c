@@ -69,14 +69,14 @@ static const char *twin_of(const batch *b, int i)
 static char *out_of(const batch *b, const char *name)
 {
     const char *ending = strrchr(b->arguments->out, '.');
-    const size_t size = strlen(b->arguments->batch) + strlen(name) + strlen(ending) + 2;
+    const size_t size = strlen(b->arguments->depth.batch) + strlen(name) + strlen(ending) + 2;
     char *out = lf_calloc(size, 1);
     if (out)
-        snprintf(out, size, "%s%.*s%s", b->arguments->batch, stem_of(name), name, ending);
+        snprintf(out, size, "%s%.*s%s", b->arguments->depth.batch, stem_of(name), name, ending);
     return out;
 }
 
-/* True if the file is the output of this picture: exactly named so, or with a quilt's suffix. */
+/* True if the file is the output of this picture: named so, a quilt with its suffix. */
 static bool is_output(const batch *b, const char *file, const char *name)
 {
     const char *ending = strrchr(b->arguments->out, '.'), *own = strrchr(file, '.'),
@@ -84,12 +84,14 @@ static bool is_output(const batch *b, const char *file, const char *name)
     const int stem = stem_of(name);
     if (!own || strcmp(own, ending) != 0 || strncmp(file, name, (size_t)stem) != 0)
         return false;
-    return file + stem == own || (suffix && file + stem == suffix);
+    const bool is_quilt =
+        b->arguments->kind == &lf_output_quilt && b->arguments->options.views != 1;
+    return is_quilt ? suffix && file + stem == suffix : file + stem == own;
 }
 
 static bool is_made(const batch *b, const char *name)
 {
-    DIR *folder = opendir(b->arguments->batch);
+    DIR *folder = opendir(b->arguments->depth.batch);
     const struct dirent *entry;
     bool found = false;
     while (folder && !found && (entry = readdir(folder)))
@@ -99,8 +101,7 @@ static bool is_made(const batch *b, const char *name)
     return found;
 }
 
-/* ------------------------------------------------------------------------------------ outputs --
- */
+/* ----------------------------------------------------------------------------------- outputs -- */
 
 static lf_status make(batch *b, const char *name, lf_error *err)
 {
@@ -168,7 +169,7 @@ static int tell(batch *b)
         lf_log(LF_LOG_INFO,
                "%d of %d outputs exist and are kept; use --overwrite to make them again", b->n_kept,
                b->n);
-    lf_log(LF_LOG_INFO, "wrote %d outputs to %s (%.0f s)", b->n_made, b->arguments->batch,
+    lf_log(LF_LOG_INFO, "wrote %d outputs to %s (%.0f s)", b->n_made, b->arguments->depth.batch,
            lf_time_now() - b->begun);
     if (b->n_failed == 0)
         return LF_EXIT_OK;
@@ -178,8 +179,8 @@ static int tell(batch *b)
 
 static int run(batch *b, lf_error *err)
 {
-    if (mkdir(b->arguments->batch, 0777) != 0 && errno != EEXIST) {
-        lf_log(LF_LOG_ERROR, "%s: cannot make the folder: %s", b->arguments->batch,
+    if (mkdir(b->arguments->depth.batch, 0777) != 0 && errno != EEXIST) {
+        lf_log(LF_LOG_ERROR, "%s: cannot make the folder: %s", b->arguments->depth.batch,
                lf_errno_text(errno));
         return LF_EXIT_FAILED;
     }

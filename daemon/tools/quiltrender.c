@@ -85,7 +85,7 @@ static int run(const lf_render_arguments *a)
                       .pause = &paused,
                       .state.interval = LF_STATE_INTERVAL};
     lf_error err = {0};
-    if (a->batch)
+    if (a->depth.batch)
         return lf_batch_run(&r);
     lf_import_watch(lf_progress_line_reading, &r.line);
     lf_status status = lf_rendering_open(&r, &err);

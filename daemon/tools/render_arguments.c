@@ -39,6 +39,7 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
 /* depth-inversion is an option of --rgbd, too, which has it in its table. */
 static const char standing[] =
     "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y";
+static const char of_depth[] = "chroma-depth depthiness depth-cutoff";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
@@ -169,7 +170,9 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         !a->photo_option)
         a->photo_option = row->option;
     const bool is_inversion = strcmp(row->option, "depth-inversion") == 0;
-    a->has_inversion |= is_inversion;
+    a->depth.inverts |= is_inversion;
+    if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
+        a->depth.option = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -189,7 +192,7 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         : o->columns > 0    ? "--quilt"
                         : o->view_width > 0 ? "--view-size"
                         : o->has_exposure   ? "--exposure"
-                        : a->has_inversion  ? "--depth-inversion"
+                        : a->depth.inverts  ? "--depth-inversion"
                                             : NULL;
     const char *option = a->panel_option   ? a->panel_option
                          : a->photo_option ? a->photo_option
@@ -419,7 +422,7 @@ static void take_batch(lf_render_arguments *a)
                is_jpeg = a->options.file.quality > 0 && (!a->asked || !a->asked->needs_panel);
     if (!is_folder)
         return;
-    a->batch = a->out;
+    a->depth.batch = a->out;
     a->out = a->asked && a->asked->check_print            ? "batch.tif"
              : a->asked == &lf_output_wiggle              ? "batch.gif"
              : is_jpeg && !(a->asked && a->asked->layers) ? "batch.jpg"
@@ -443,6 +446,9 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
     take_batch(a);
+    if (a->depth.batch && a->stats)
+        return lf_error_set(err, LF_E_ARG, "--stats",
+                            "cannot be combined with a folder of images with depth");
     a->budget.target_error = a->options.target_error;
     a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +

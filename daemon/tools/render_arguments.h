@@ -15,6 +15,15 @@
 #define LF_RENDER_DEFAULT_PASSES 32
 #define LF_RENDER_DEFAULT_SPP 16
 
+/* Options of pictures with depth. */
+typedef struct lf_depth_arguments {
+    bool inverts;       /* --depth-inversion was given; of --rgbd and of pictures with depth */
+    const char *option; /* the first option that needs a picture with depth */
+    /* The folder that gets one output for each picture with depth in the folder `scene` (batch.h);
+     * `out` is then a name for checks. NULL: one output */
+    const char *batch;
+} lf_depth_arguments;
+
 /* The parsed command line. */
 typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
@@ -38,10 +47,7 @@ typedef struct lf_render_arguments {
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */
     const char *rgbd_option;  /* the first option that needs --rgbd */
-    bool has_inversion; /* --depth-inversion was given; of --rgbd and of pictures with depth */
-    /* The folder that gets one output for each picture with depth in the folder `scene` (batch.h);
-     * `out` is then a name for checks. NULL: one output */
-    const char *batch;
+    lf_depth_arguments depth;
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
     lf_video_options video;

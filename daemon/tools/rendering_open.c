@@ -86,6 +86,14 @@ static lf_status refuse_quilt(const lf_render_arguments *a, lf_error *err)
                         "cannot be combined with a finished quilt, which is not rendered");
 }
 
+static lf_status refuse_depth(const lf_render_arguments *a, lf_error *err)
+{
+    char where[64];
+    snprintf(where, sizeof where, "--%s", a->depth.option);
+    return lf_error_set(err, LF_E_ARG, where,
+                        "needs an image with depth; add --rgbd-in SIDE, if it has one");
+}
+
 static lf_status open_quilt(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -98,6 +106,8 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return refuse_quilt(a, err);
     if (side != LF_RGBD_IN_OFF)
         return lf_rendering_open_rgbd(r, side, err);
+    if (a->depth.option)
+        return refuse_depth(a, err);
     if (o->preset || o->view_width > 0)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
@@ -294,7 +304,7 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
             err, LF_E_ARG, where,
             "applies only to finished images; a scene is rendered in the shape that you ask for");
     }
-    if (a->has_inversion && !a->kind->layers)
+    if (a->depth.inverts && !a->kind->layers)
         return lf_error_set(err, LF_E_ARG, "--depth-inversion",
                             "needs --rgbd, or an image with depth (--rgbd-in)");
     if (a->kind->check_print &&
@@ -559,7 +569,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
     if (a->kind->is_drawn)
         r->print = a->print;
     else if (status == LF_OK)
-        status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+        status =
+            a->depth.batch || lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
         status = provide_for_views(r, err);
     if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)

@@ -27,28 +27,32 @@ static const lf_bridge_endpoint endpoints[] = {
     {.name = "enter_orchestration", .run = lf_bridge_run_enter, .alone = true},
     {.name = "exit_orchestration", .run = lf_bridge_run_exit},
     {.name = "available_output_devices", .run = lf_bridge_run_devices, .alone = true},
-    {.name = "show_window", .run = lf_bridge_run_window, .alone = true},
+    {.name = "show_window", .run = lf_bridge_run_window, .alone = true, .shows = true},
     {.name = "instance_playlist", .run = lf_bridge_run_instance, .event = "Playlist Instance"},
     {.name = "delete_playlist", .run = lf_bridge_run_delete, .event = "Playlist Delete"},
     {.name = "insert_playlist_entry", .run = lf_bridge_run_insert, .event = "Playlist Insert"},
-    {.name = "play_playlist", .run = lf_bridge_run_play},
-    {.name = "update_current_entry", .run = lf_bridge_run_update_current},
+    {.name = "play_playlist", .run = lf_bridge_run_play, .shows = true},
+    {.name = "update_current_entry", .run = lf_bridge_run_update_current, .shows = true},
     {.name = "update_playlist_entry", .run = lf_bridge_run_update},
     {.name = "transport_control_play",
      .run = lf_bridge_run_resume,
-     .event = "Transport Control Play"},
+     .event = "Transport Control Play",
+     .shows = true},
     {.name = "transport_control_pause",
      .run = lf_bridge_run_pause,
-     .event = "Transport Control Pause"},
+     .event = "Transport Control Pause",
+     .shows = true},
     {.name = "transport_control_next",
      .run = lf_bridge_run_transport,
      .method = "playlist.next",
-     .event = "Transport Control Next"},
+     .event = "Transport Control Next",
+     .shows = true},
     {.name = "transport_control_previous",
      .run = lf_bridge_run_transport,
      .method = "playlist.previous",
-     .event = "Transport Control Previous"},
-    {.name = "transport_control_seek_to_index", .run = lf_bridge_run_seek},
+     .event = "Transport Control Previous",
+     .shows = true},
+    {.name = "transport_control_seek_to_index", .run = lf_bridge_run_seek, .shows = true},
     {.name = "all_supported_lkg_hardware", .why = UNKNOWN},
     {.name = "get_camera_parameters", .why = UNKNOWN},
     {.name = "sync_overwrite_playlist", .why = SYNC},
@@ -151,6 +155,8 @@ static void run(lf_bridge_call *call)
     call->orchestration = lf_bridge_lists_find(bridge->lists, token);
     if (!call->endpoint->run)
         lf_bridge_fail(call, "%s", call->endpoint->why);
+    else if (call->endpoint->shows && lf_panel_only_is_on(bridge->config.panel_only))
+        lf_bridge_fail(call, "%s", LF_PANEL_ONLY_WORDS);
     else if (!call->endpoint->alone && !call->orchestration)
         lf_bridge_fail(call, "there is no such orchestration; call enter_orchestration first");
     else

@@ -13,6 +13,7 @@
 #include <systemd/sd-event.h>
 
 #include "base/status.h"
+#include "daemon/web/panel_only.h"
 
 #define LF_BRIDGE_VERSION "2.6.3"
 /* Time for quiltd to load what play_playlist shows; then the reply is Pending. */
@@ -29,8 +30,9 @@ typedef void (*lf_bridge_tell_fn)(void *context, const char *token, json_t *even
 
 typedef struct lf_bridge_config {
     sd_event *event;
-    const char *socket;  /* path of quiltd's; borrowed */
-    const char *version; /* that bridge_version answers; borrowed */
+    const char *socket;              /* path of quiltd's; borrowed */
+    const char *version;             /* that bridge_version answers; borrowed */
+    const lf_panel_only *panel_only; /* borrowed; NULL: quiltd keeps its panel */
     lf_bridge_tell_fn tell;
     void *context; /* of tell */
 } lf_bridge_config;

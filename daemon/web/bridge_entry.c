@@ -59,12 +59,13 @@ static bool decode(char *text)
 {
     char *to = text;
     for (const char *at = text; *at; to++) {
-        const int high = *at == '%' ? digit(at[1]) : 0;
-        const int low = *at == '%' && high >= 0 ? digit(at[2]) : 0;
-        if (high < 0 || low < 0 || (*at == '%' && high + low == 0))
+        const bool coded = *at == '%';
+        const int high = coded ? digit(at[1]) : 0;
+        const int low = coded && high >= 0 ? digit(at[2]) : 0;
+        if (high < 0 || low < 0 || (coded && high + low == 0))
             return false;
-        *to = *at == '%' ? (char)(high * 16 + low) : *at;
-        at += *at == '%' ? 3 : 1;
+        *to = coded ? (char)(high * 16 + low) : *at;
+        at += coded ? 3 : 1;
     }
     *to = '\0';
     return true;
@@ -202,7 +203,8 @@ static lf_status set_quilt(json_t *entry, const json_t *said, lf_error *err)
                  *views = json_object_get(said, "views");
     int n_columns = 0, n_rows = 0, n_views = 0;
     char tiles[32];
-    json_object_set_new(entry, "rgbd_in", json_string("off"));
+    if (json_object_get(said, "isRGBD")) /* whatever the name of the file says */
+        json_object_set_new(entry, "rgbd_in", json_string("off"));
     if (!columns != !rows)
         return lf_error_set(err, LF_E_ARG, columns ? "rows" : "cols",
                             "is missing; a quilt needs cols and rows");
@@ -212,11 +214,13 @@ static lf_status set_quilt(json_t *entry, const json_t *said, lf_error *err)
                             MAX_TILES);
     if (views && (!lf_bridge_whole(views, &n_views) || n_views < 0))
         return lf_error_set(err, LF_E_ARG, "view_count", "expects a whole number from 1");
+    if (columns && n_views > 0 && n_views != n_columns * n_rows)
+        return lf_error_set(err, LF_E_ARG, "view_count",
+                            "quiltd shows all tiles of a quilt; expects %d, which is cols x rows",
+                            n_columns * n_rows);
     snprintf(tiles, sizeof tiles, "%dx%d", n_columns, n_rows);
     if (columns)
         json_object_set_new(entry, "quilt", json_string(tiles));
-    if (n_views > 0 && n_views != n_columns * n_rows)
-        json_object_set_new(entry, "views", json_integer(n_views));
     if (number_of(said, "aspect") != 0)
         copy(entry, said, "aspect");
     return LF_OK;

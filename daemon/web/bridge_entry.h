@@ -18,7 +18,8 @@ bool lf_bridge_whole(const json_t *value, int *out);
  *
  * - uri: an absolute path, or file:// with it; the bytes behind % are decoded
  * - durationMS: seconds, left out if it is 0
- * - isRGBD 0: cols, rows, view_count or viewCount, aspect become quilt, views, aspect
+ * - isRGBD 0: cols, rows and aspect become quilt and aspect; view_count or viewCount is cols x
+ *   rows; rgbd_in is off, except if isRGBD is not said
  * - isRGBD 1: depth_loc 0 top, 1 bottom, 2 right, 3 left becomes rgbd_in; depth_inversion,
  *   chroma_depth, depthiness (1.5 as in Bridge), depth_cutoff; cols, rows and view_count are
  *   meaningless there

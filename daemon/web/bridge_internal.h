@@ -24,6 +24,7 @@ typedef struct lf_bridge_endpoint {
     const char *event;  /* that follows (lf_bridge_show_tell); NULL: none */
     const char *method; /* of quiltd, for endpoints that are one call */
     bool alone;         /* it needs no orchestration */
+    bool shows;         /* it needs a panel that is quiltd's */
 } lf_bridge_endpoint;
 
 struct lf_bridge_call {
@@ -65,6 +66,7 @@ struct lf_bridge {
     char on_panel[4096]; /* file that quiltd has shown last */
     char reason[256];    /* why quiltd has skipped an entry last */
     bool has_panel, knows_panel;
+    bool measures_panel; /* its size is asked for, for Monitor Connect */
     uint64_t requests, failures;
     char last_failure[320]; /* in the log */
 };

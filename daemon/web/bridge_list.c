@@ -42,20 +42,25 @@ void lf_bridge_run_exit(lf_bridge_call *call)
 
 /* --------------------------------------------------------------------------------- playlists -- */
 
+/* An emptied playlist is another one: quiltd goes on with what it has. */
 void lf_bridge_run_instance(lf_bridge_call *call)
 {
     lf_bridge *bridge = call->bridge;
     const json_t *given = json_object_get(call->body, "loop");
     double loop = 1;
     lf_error err = {0};
-    if (given && !lf_bridge_number(given, &loop))
+    if (given && !lf_bridge_number(given, &loop)) {
         lf_bridge_fail(call, "loop: expects true or false");
-    else if (lf_orchestration_make(bridge->lists, call->orchestration,
-                                   lf_bridge_param(call, "name"), loop != 0, played(bridge),
-                                   &call->list, &err) != LF_OK)
+        return;
+    }
+    if (lf_orchestration_make(bridge->lists, call->orchestration, lf_bridge_param(call, "name"),
+                              loop != 0, played(bridge), &call->list, &err) != LF_OK) {
         lf_bridge_fail(call, "%s", err.what);
-    else
-        lf_bridge_complete(call, named(call));
+        return;
+    }
+    if (lf_bridge_is_shown(call))
+        lf_bridge_show_forget(bridge);
+    lf_bridge_complete(call, named(call));
 }
 
 static void drop_list(lf_bridge_call *call)

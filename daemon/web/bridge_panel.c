@@ -3,7 +3,6 @@
 
 #include <stdlib.h>
 
-#include "base/log.h"
 #include "daemon/web/bridge_entry.h"
 #include "daemon/web/panel_info.h"
 
@@ -34,7 +33,14 @@ static void on_status(lf_bridge_call *call, const json_t *result, const char *wh
 
 void lf_bridge_look(lf_bridge_call *call, lf_bridge_then_fn then)
 {
+    const lf_panel_only *lent = call->bridge->config.panel_only;
     call->looked = then;
+    if (lf_panel_only_is_on(lent)) {
+        json_t *info = lf_panel_info(lf_panel_only_calibration(lent), lf_panel_only_device(lent));
+        then(call, info, "no panel is connected");
+        json_decref(info);
+        return;
+    }
     lf_bridge_ask(call, "status", NULL, on_status);
 }
 
@@ -117,7 +123,9 @@ static void tell(lf_bridge *bridge, const char *event, const json_t *calibration
 static void on_connected(void *context, const json_t *result, const char *why)
 {
     (void)why;
-    tell(context, "Monitor Connect", result);
+    lf_bridge *bridge = context;
+    bridge->measures_panel = false;
+    tell(bridge, "Monitor Connect", result);
 }
 
 void lf_bridge_panel_note(lf_bridge *bridge, const json_t *params)
@@ -128,9 +136,9 @@ void lf_bridge_panel_note(lf_bridge *bridge, const json_t *params)
         return;
     if (!is_there)
         tell(bridge, "Monitor Disconnect", NULL);
-    else if (bridge->knows_panel && lf_calls_ask(bridge->calls, "device.calibration", NULL,
-                                                 on_connected, bridge, &err) != LF_OK)
-        lf_log_error(&err);
+    else if (bridge->knows_panel && !bridge->measures_panel)
+        bridge->measures_panel = lf_calls_ask(bridge->calls, "device.calibration", NULL,
+                                              on_connected, bridge, &err) == LF_OK;
     bridge->has_panel = is_there;
     bridge->knows_panel = true;
 }

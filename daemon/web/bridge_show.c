@@ -79,8 +79,7 @@ void lf_bridge_show_tell(lf_bridge_call *call, const char *event)
              lf_bridge_param(call, "tag"));
 }
 
-/* ------------------------------------------------------------------------------------ waiting --
- */
+/* ----------------------------------------------------------------------------------- waiting -- */
 
 static lf_bridge_call *take_waiting(lf_bridge *bridge)
 {
@@ -269,7 +268,9 @@ static void look_at_panel(lf_bridge *bridge)
         return;
     lf_bridge_call *call = take_waiting(bridge);
     if (call)
-        lf_bridge_complete(call, NULL);
+        lf_bridge_complete(
+            call, lf_bridge_value("payload", "VARIANT_MAP",
+                                  json_pack("{s:o}", "message", lf_bridge_text("message", ""))));
     if (shown->told == shown->index)
         return;
     shown->told = shown->index;

@@ -219,9 +219,10 @@ static void go_on_show(lf_driver_client *client)
     lf_error err = {0};
     lf_status status = lf_driver_result(client, &result, &code, &err);
     if (status != LF_OK)
-        lf_driver_fail(client, code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
-                                   ? LF_DRIVER_NO_IMAGE
-                                   : LF_DRIVER_FAILED,
+        lf_driver_fail(client,
+                       code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
+                           ? LF_DRIVER_NO_IMAGE
+                           : LF_DRIVER_FAILED,
                        err.what, NULL);
     else if (client->is_taken)
         lf_driver_answer(client, json_object());

@@ -422,6 +422,7 @@ static lf_status begin_bridge(lf_web *web, const char *version, lf_error *err)
     const lf_bridge_config config = {.event = web->event,
                                      .socket = web->socket,
                                      .version = web->bridge_version,
+                                     .panel_only = web->panel_only,
                                      .tell = lf_bridge_events_tell,
                                      .context = web};
     return web->bridge_version ? lf_bridge_create(&config, &web->bridge, err)

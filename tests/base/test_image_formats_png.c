@@ -188,6 +188,7 @@ static const chunk_case adobe_rgb = {BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 0
 static const chunk_case oblong = {BYTES(BE(100), BE(200), 0), NULL, NULL};
 static const chunk_case sliver = {BYTES(BE(0), BE(200), 0),
                                   "pHYs is not a valid pixel aspect ratio", "pHYs"};
+static const chunk_case no_shape = {BYTES(BE(0), BE(0), 0), NULL, "pHYs"};
 static const chunk_case animation = {BYTES(BE(5), BE(0)), "animation of 5 frames", NULL};
 static const chunk_case stereo = {BYTES(0), "side by side", NULL};
 static const chunk_case calibration = {BYTES('x', 0, BE(0), BE(255), 0, 2, 'm', 0, '0', 0, '1'),
@@ -277,6 +278,7 @@ static const lf_format_row rows[] = {
     {"eXIf colour space", "warned", chunk, &adobe_rgb},
     {"pHYs", "used", oblong_pixels, &oblong},
     {"pHYs beyond 1:100", "warned", chunk, &sliver},
+    {"pHYs of zeros", "ignored", chunk, &no_shape},
     {"acTL", "warned", chunk, &animation},
     {"sTER", "warned", chunk, &stereo},
     {"pCAL", "warned", chunk, &calibration},

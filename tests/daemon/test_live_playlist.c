@@ -164,6 +164,15 @@ static void entries_are_checked_and_a_wrong_one_changes_nothing(void **state)
                             json_loads(wrong[i], JSON_DECODE_ANY, NULL));
         assert_refused(&h, "playlist.set", params, -32602, "/entries/0/seconds", "");
     }
+    json_t *checked =
+        json_pack("{s:o, s:b}", "entries", entries_of(&h, "a.png c.png", 1), "check", 1);
+    json_t *answer = live_call(&h.c, "playlist.set", json_incref(checked));
+    assert_int_equal(json_array_size(json_object_get(json_object_get(answer, "result"), "entries")),
+                     2);
+    json_decref(answer);
+    json_array_append_new(json_object_get(checked, "entries"),
+                          json_pack("{s:s}", "file", within(&h, "missing.png")));
+    assert_refused(&h, "playlist.set", checked, -32002, "/entries/2/file", "No such file");
     assert_refused(&h, "playlist.play", json_pack("{s:i}", "index", 1), -32602, "/index",
                    "there is no entry 1");
     json_t *now = slideshow(&h);

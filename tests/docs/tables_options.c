@@ -32,6 +32,7 @@ static const struct group {
     {"depth", lf_rgbd_params, NULL, NULL, NULL, NULL},
     {"alone", lf_alone_params, NULL, NULL, NULL, NULL},
     {"photo", lf_photo_params, lf_picture_params, NULL, NULL, NULL},
+    {"standing", lf_standing_params, NULL, NULL, NULL, NULL},
     {"sequence", lf_frames_params, NULL, NULL, NULL, NULL},
     {"video", lf_video_params, NULL, NULL, NULL, NULL},
     {"import", lf_option_params, NULL, LF_OPTIONS_IMPORT, NULL, NULL},

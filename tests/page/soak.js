@@ -1,5 +1,6 @@
-// A soak of the gateway: eight WebSockets, one of which reads slowly and one of which is hostile, beside 16 clients of the socket
-// and, with QUILTD_NODE, a browser. Everybody else goes on, and neither memory nor descriptors grow.
+// A soak of the gateway: eight WebSockets, one of which reads slowly and one of which is hostile, beside 16 clients of the socket,
+// honest and hostile programs at the doors of other programs, and, with QUILTD_NODE, a browser. Everybody else goes on, and neither
+// memory nor descriptors grow.
 //
 // SOAK_SECONDS (20): how long. The first quarter is without the slow and the hostile one, to compare with. SOAK_STRICT: judge the
 // longest turn of quiltd's event thread, too, and more calls.
@@ -13,9 +14,10 @@ import { setTimeout as nap } from "node:timers/promises";
 import { connect } from "../../clients/js/quiltd/node.js";
 import { encodeFrame } from "../../clients/js/quiltd/websocket.js";
 import { start } from "../../clients/js/tests/live.js";
+import { annoyDoors, askBridge, askByNng, chooseDoors } from "./soak_doors.js";
 
 const SECONDS = Number(process.env.SOAK_SECONDS ?? 20);
-const HONEST = 6, JSON_CLIENTS = 16;
+const HONEST = 6, JSON_CLIENTS = 16, PROGRAMS = 2;
 const WARM_SHARE = 0.3; // caches fill, and the slow and the hostile one have come
 const GROWTH_KIB = { quiltd: 32 * 1024, quiltweb: 4 * 1024 };
 const LEAST_SHARE = 0.25; // of the median of its kind, which each client has to reach
@@ -136,12 +138,12 @@ function growth(samples) {
   return { from, to, by: to - from };
 }
 
-async function run(live) {
+async function run(live, doors) {
   const counts = { slow: 0, hostile: 0, drags: 0 }, kib = { quiltd: [], quiltweb: [] };
   const end = performance.now() + 1000 * SECONDS, bad = performance.now() + 250 * SECONDS;
   const running = () => performance.now() < end;
   const clients = (n) => Array.from({ length: n }, () => ({ calls: 0, images: 0 }));
-  const web = clients(HONEST), json = clients(JSON_CLIENTS), opened = [];
+  const web = clients(HONEST), json = clients(JSON_CLIENTS), bridge = clients(PROGRAMS), nng = clients(PROGRAMS), opened = [];
   const open = async (where) => opened[opened.push(await connect(where)) - 1];
   const tasks = [];
   for (const one of web) {
@@ -149,6 +151,8 @@ async function run(live) {
     tasks.push(call(q, one, running, 50), watchImages(q, one, running));
   }
   for (const one of json) tasks.push(call(await open(live.socket), one, running, 100));
+  for (const one of bridge) tasks.push(askBridge(doors, one, running));
+  for (const one of nng) tasks.push(askByNng(doors, one, running));
   if (process.env.QUILTD_NODE) tasks.push(browse(live.url, counts, running));
   const allCalls = () => [web, json].map((list) => list.reduce((sum, { calls }) => sum + calls, 0));
   let quietTurn, quietCalls;
@@ -156,7 +160,7 @@ async function run(live) {
     while (performance.now() < bad) await nap(100);
     quietTurn = (await live.q.status()).longest_turn;
     quietCalls = allCalls();
-    await Promise.all([readSlowly(live.url, counts, running), annoy(live.url, counts, running)]);
+    await Promise.all([readSlowly(live.url, counts, running), annoy(live.url, counts, running), annoyDoors(doors, counts, running)]);
   })());
   tasks.push((async () => {
     for (; running(); await nap(250)) for (const name in kib) kib[name].push(residentKib(live.pids[name]));
@@ -164,7 +168,7 @@ async function run(live) {
   await Promise.all(tasks);
   for (const q of opened) q.close();
   const kept = Math.min(...allCalls().map((calls, i) => (calls - quietCalls[i]) / 3 / quietCalls[i]));
-  return { counts, kib, web, json, kept, quietTurn, turn: (await live.q.status()).longest_turn };
+  return { counts, kib, web, json, bridge, nng, kept, quietTurn, turn: (await live.q.status()).longest_turn };
 }
 
 // Until both programs have let go of what the clients held.
@@ -177,24 +181,26 @@ async function letGo(live, before) {
 describe("slow and hostile clients", () => {
   it("keep nobody waiting, and leave nothing", async () => {
     const options = ["--device", "sim:panel", "--view-size", "48x64", "--threads", "1", "--run-for", String(SECONDS + 1800)];
-    const live = await start({ options });
+    let doors;
+    const live = await start({ options, web: async (folder) => (doors = await chooseDoors(folder)).options });
     try {
       await live.q.wait("complete");
       await (await connect(live.url)).close();
       const before = Object.values(live.pids).map(descriptors);
-      const { counts, kib, web, json, kept, quietTurn, turn } = await run(live);
+      const { counts, kib, web, json, bridge, nng, kept, quietTurn, turn } = await run(live, doors);
       const after = await letGo(live, before);
       const least = (list, what) => Math.min(...list.map((one) => one[what]));
       const usual = (list, what) => median(list.map((one) => one[what]));
       const memory = Object.fromEntries(Object.entries(kib).map(([name, samples]) => [name, growth(samples)]));
       console.log(`# ${SECONDS} s; ${counts.slow} reads of the slow one, ${counts.hostile} attempts of the hostile one, ${counts.drags} drags`);
       console.log(`# calls a second: ${kept.toFixed(2)} of those without the two`);
-      for (const [name, list, what] of [["WebSockets", web, "calls"], ["WebSockets", web, "images"], ["sockets", json, "calls"]])
+      for (const [name, list, what] of [["WebSockets", web, "calls"], ["WebSockets", web, "images"], ["sockets", json, "calls"],
+        ["programs of Bridge", bridge, "calls"], ["programs of nng", nng, "calls"]])
         console.log(`# ${list.length} ${name}: ${what} ${least(list, what)} at least, median ${usual(list, what)}`);
       for (const [name, { from, to }] of Object.entries(memory))
         console.log(`# ${name}: ${(from / 1024).toFixed(1)} MiB when warm, ${(to / 1024).toFixed(1)} at the end`);
       console.log(`# longest turn: ${(1e3 * quietTurn).toFixed(2)} ms without them, ${(1e3 * turn).toFixed(2)} with; descriptors ${before} before, ${after} after`);
-      for (const [list, what] of [[web, "calls"], [web, "images"], [json, "calls"]])
+      for (const [list, what] of [[web, "calls"], [web, "images"], [json, "calls"], [bridge, "calls"], [nng, "calls"]])
         assert.ok(least(list, what) > LEAST_SHARE * usual(list, what), `${what}: ${list.map((one) => one[what])}`);
       assert.ok(kept > KEPT_SHARE, `calls became ${kept} as many`);
       assert.ok(counts.slow > 0 && counts.hostile > 0);

@@ -113,17 +113,18 @@ int lf_caller_status(const char *answer)
     return strncmp(answer, "HTTP/1.1 ", 9) == 0 ? atoi(answer + 9) : 0;
 }
 
-int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer)
+int lf_talk_connect_door(const gateway *g, int door, const char *path, const char *headers,
+                         const char **out_answer)
 {
     static char answer[4096];
     char request[4096];
     size_t used = 0;
-    int fd = lf_caller_connect(g);
+    int fd = lf_caller_connect_door(g, door);
     snprintf(request, sizeof request,
-             "GET /rpc HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nUpgrade: websocket\r\n"
+             "GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nUpgrade: websocket\r\n"
              "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
-             lf_gateway_port(g), headers);
+             path, lf_gateway_door_port(g, door), headers);
     assert_true(lf_caller_send(fd, request, strlen(request)));
     while (used + 1 < sizeof answer && recv(fd, answer + used, 1, 0) == 1) {
         answer[++used] = '\0';
@@ -133,6 +134,11 @@ int lf_talk_connect(const gateway *g, const char *headers, const char **out_answ
     if (out_answer)
         *out_answer = answer;
     return fd;
+}
+
+int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer)
+{
+    return lf_talk_connect_door(g, LF_DOOR_PAGE, "/rpc", headers, out_answer);
 }
 
 int lf_talk_open(const gateway *g)
@@ -181,29 +187,42 @@ static bool receive_all(int fd, unsigned char *to, size_t n)
     return true;
 }
 
-int lf_talk_next(int fd, const unsigned char **out_data, size_t *out_n)
+/* The next frame of any kind; as lf_talk_next. */
+static int next_frame(int fd, const unsigned char **out_data, size_t *out_n)
 {
     static unsigned char data[(1 << 21) + 1];
-    for (;;) {
-        unsigned char head[10];
-        if (!receive_all(fd, head, 2))
-            return -1;
-        size_t n = head[1] & 127u, more = n == 126 ? 2 : n == 127 ? 8 : 0;
-        if (!receive_all(fd, head + 2, more))
-            return -1;
-        for (size_t i = 0, m = 0; i < more; i++)
-            n = m = m << 8 | head[2 + i];
-        assert_true(n < sizeof data);
-        assert_false(head[1] & 0x80); /* a server does not mask */
-        if (!receive_all(fd, data, n))
-            return -1;
-        data[n] = '\0';
-        if ((head[0] & 15) == 9 || (head[0] & 15) == 10)
-            continue;
-        *out_data = data;
-        *out_n = n;
-        return head[0] & 15;
-    }
+    unsigned char head[10];
+    if (!receive_all(fd, head, 2))
+        return -1;
+    size_t n = head[1] & 127u, more = n == 126 ? 2 : n == 127 ? 8 : 0;
+    if (!receive_all(fd, head + 2, more))
+        return -1;
+    for (size_t i = 0, m = 0; i < more; i++)
+        n = m = m << 8 | head[2 + i];
+    assert_true(n < sizeof data);
+    assert_false(head[1] & 0x80); /* a server does not mask */
+    if (!receive_all(fd, data, n))
+        return -1;
+    data[n] = '\0';
+    *out_data = data;
+    *out_n = n;
+    return head[0] & 15;
+}
+
+int lf_talk_next(int fd, const unsigned char **out_data, size_t *out_n)
+{
+    int opcode;
+    while ((opcode = next_frame(fd, out_data, out_n)) == 9 || opcode == 10)
+        ;
+    return opcode;
+}
+
+void lf_talk_settle(int fd)
+{
+    const unsigned char *data = NULL;
+    size_t n = 0;
+    lf_talk_send(fd, 9, "", 0);
+    assert_int_equal(next_frame(fd, &data, &n), 10);
 }
 
 const char *lf_talk_until(int fd, const char *word, int *out_binaries)

@@ -7,7 +7,7 @@
 
 #include <systemd/sd-event.h>
 
-enum { MAX_TIMERS = 256 };
+enum { MAX_TIMERS = 16384 };
 #define NEVER_USEC ((uint64_t)3600000000)
 
 static struct timer {

@@ -20,8 +20,10 @@ struct gateway {
     pthread_t web_thread, daemon_thread;
     int stop_web, stop_daemon; /* eventfds */
     int daemon_fd;             /* listening */
-    lf_web_sockets doors[LF_DOORS];
-    int ports[LF_DOORS];
+    struct {
+        lf_web_sockets sockets;
+        int port;
+    } doors[LF_DOORS];
     const char *public_origin;
     lf_origins allowed;
     char url[LF_WEB_URL_SIZE];
@@ -37,6 +39,7 @@ struct gateway {
     int n_calls;
     bool answers_images;
     lf_gateway_rights rights;
+    lf_false_slideshow slideshow;
     int unlimited; /* calls before the rights were limited */
     struct {
         int fd[MAX_FDS];
@@ -190,6 +193,20 @@ static json_t *result_of(gateway *g, const char *method, json_t *params, int *ou
                   : json_pack("{s:s}", "method", method);
 }
 
+static void send_all(int connection, json_t *notes)
+{
+    size_t i;
+    json_t *message;
+    json_array_foreach(notes, i, message)
+    {
+        char *text = json_dumps(message, JSON_COMPACT);
+        send_whole(connection, text);
+        send_whole(connection, "\n");
+        free(text);
+    }
+    json_decref(notes);
+}
+
 /* A call without an id gets none. */
 static void send_answer(int connection, json_t *answer)
 {
@@ -203,6 +220,26 @@ static void send_answer(int connection, json_t *answer)
     send_whole(connection, "\n");
     free(text);
     json_decref(answer);
+}
+
+static json_t *make_error(json_t *id, int code, const char *message, const char *pointer)
+{
+    return json_pack("{s:s, s:O?, s:{s:i, s:s, s:{s:s*}}}", "jsonrpc", "2.0", "id", id, "error",
+                     "code", code, "message", message, "data", "pointer", pointer);
+}
+
+/* False: the slideshow does not answer this. */
+static bool answer_slideshow(gateway *g, int i, const char *method, json_t *params, json_t *id)
+{
+    lf_false_answer answer;
+    if (!lf_false_slideshow_answer(&g->slideshow, method, params, &answer))
+        return false;
+    send_all(g->connections[i], answer.before);
+    send_answer(g->connections[i], answer.result ? json_pack("{s:s, s:O?, s:o}", "jsonrpc", "2.0",
+                                                             "id", id, "result", answer.result)
+                                                 : make_error(id, -32002, answer.message, NULL));
+    send_all(g->connections[i], answer.after);
+    return true;
 }
 
 static void answer_line(gateway *g, int i, const char *line, size_t n)
@@ -219,6 +256,10 @@ static void answer_line(gateway *g, int i, const char *line, size_t n)
         snprintf(g->calls[g->n_calls++], sizeof g->calls[0], "%s", method);
     const bool limits = strcmp(method, "rights.limit") == 0;
     g->unlimited += !limits && !g->limited[i];
+    if (answer_slideshow(g, i, method, params, id)) {
+        json_decref(call);
+        return;
+    }
     if (strcmp(method, "frame.get") == 0) {
         const int fd = take_fd(g);
         result = g->answers_images ? image_for(params, fd, g->columns) : NULL;
@@ -232,10 +273,7 @@ static void answer_line(gateway *g, int i, const char *line, size_t n)
         send_answer(g->connections[i],
                     json_pack("{s:s, s:O?, s:o}", "jsonrpc", "2.0", "id", id, "result", result));
     else if (code != 0)
-        send_answer(g->connections[i],
-                    json_pack("{s:s, s:O?, s:{s:i, s:s, s:{s:s*}}}", "jsonrpc", "2.0", "id", id,
-                              "error", "code", code, "message", "the false quiltd refuses", "data",
-                              "pointer", pointer));
+        send_answer(g->connections[i], make_error(id, code, "the false quiltd refuses", pointer));
     json_decref(call);
 }
 
@@ -346,6 +384,21 @@ void lf_gateway_set_columns(gateway *g, int columns)
     pthread_mutex_unlock(&g->lock);
 }
 
+void lf_gateway_set_slideshow(gateway *g, void (*change)(lf_false_slideshow *))
+{
+    pthread_mutex_lock(&g->lock);
+    change(&g->slideshow);
+    pthread_mutex_unlock(&g->lock);
+}
+
+json_t *lf_gateway_slideshow(gateway *g)
+{
+    pthread_mutex_lock(&g->lock);
+    json_t *json = lf_false_slideshow_json(&g->slideshow);
+    pthread_mutex_unlock(&g->lock);
+    return json;
+}
+
 void lf_gateway_set_rights(gateway *g, lf_gateway_rights rights)
 {
     pthread_mutex_lock(&g->lock);
@@ -444,13 +497,14 @@ static void *be_gateway(void *context)
                             .socket = g->socket,
                             .public_origin = g->public_origin,
                             .upload_limit = GATEWAY_UPLOADS};
-    memcpy(config.doors, g->doors, sizeof config.doors);
+    for (int i = 0; i < LF_DOORS; i++)
+        config.doors[i] = g->doors[i].sockets;
     if (sd_event_new(&event) < 0 ||
         sd_event_add_io(event, NULL, g->stop_web, POLLIN, on_stop, NULL) < 0 ||
         lf_web_create(event, &config, &web, &err) != LF_OK)
         abort();
     for (int i = 0; i < LF_DOORS; i++)
-        g->ports[i] = lf_web_port(web, i);
+        g->doors[i].port = lf_web_port(web, i);
     snprintf(g->url, sizeof g->url, "%s", lf_web_url(web));
     pthread_barrier_wait(&g->ready);
     sd_event_loop(event);
@@ -471,13 +525,14 @@ static int set_up(void **state, const char *public_origin, bool programs)
     memcpy(address.sun_path, g->socket, sizeof address.sun_path);
     g->answers_images = true;
     g->columns = FALSE_COLUMNS;
+    g->slideshow.on = programs;
     g->stop_web = eventfd(0, EFD_CLOEXEC);
     g->stop_daemon = eventfd(0, EFD_CLOEXEC);
     g->daemon_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(bind(g->daemon_fd, (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(g->daemon_fd, 40), 0);
     for (int i = 0; i < (programs ? LF_DOORS : 1); i++)
-        lf_assert_ok(lf_web_listen_port(0, &g->doors[i], &err), &err);
+        lf_assert_ok(lf_web_listen_port(0, &g->doors[i].sockets, &err), &err);
     if (programs)
         lf_assert_ok(lf_origins_add(&g->allowed, "https://allowed.test", &err), &err);
     pthread_mutex_init(&g->lock, NULL);
@@ -513,6 +568,7 @@ int lf_gateway_teardown(void **state)
     assert_int_equal(write(g->stop_daemon, &one, sizeof one), sizeof one);
     pthread_join(g->daemon_thread, NULL);
     lf_gateway_hang_up(g);
+    lf_false_slideshow_finish(&g->slideshow);
     while (g->exported.n > 0)
         close(g->exported.fd[--g->exported.n]);
     while (g->passed.n > 0)
@@ -529,17 +585,17 @@ int lf_gateway_teardown(void **state)
 
 int lf_gateway_port(const gateway *g)
 {
-    return g->ports[LF_DOOR_PAGE];
+    return g->doors[LF_DOOR_PAGE].port;
 }
 
 int lf_gateway_door_port(const gateway *g, int door)
 {
-    return g->ports[door];
+    return g->doors[door].port;
 }
 
 bool lf_gateway_has_v6(const gateway *g)
 {
-    return g->doors[LF_DOOR_PAGE].n == 2;
+    return g->doors[LF_DOOR_PAGE].sockets.n == 2;
 }
 
 const char *lf_gateway_url(const gateway *g)

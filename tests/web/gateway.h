@@ -5,6 +5,8 @@
 
 #include "tests/testing.h"
 
+#include "tests/web/false_slideshow.h"
+
 /* What the false quiltd renders: 9 views of 60x80 in 3x3 tiles. */
 enum { FALSE_COLUMNS = 3, FALSE_VIEWS = 9, FALSE_WIDTH = 60, FALSE_HEIGHT = 80 };
 
@@ -43,6 +45,9 @@ const char *lf_gateway_cookie(gateway *g);
  * whose files hold "job 1 file 0". false: it answers no frame.get,
  * library.thumbnail and quilt.show any more. */
 void lf_gateway_answer_images(gateway *g, bool answer);
+/* Of a gateway with the doors of programs: changes the slideshow, or returns it as JSON. */
+void lf_gateway_set_slideshow(gateway *g, void (*change)(lf_false_slideshow *));
+json_t *lf_gateway_slideshow(gateway *g);
 /* Another scene: its images have these columns. */
 void lf_gateway_set_columns(gateway *g, int columns);
 /* What it knows of rights.limit: all, nothing, all but the method doctor; or it refuses, or does
@@ -93,8 +98,10 @@ const char *lf_caller_get(const gateway *g, const char *line, const char *header
 /* The status of an answer; 0: none. */
 int lf_caller_status(const char *answer);
 
-/* A WebSocket. */
+/* A WebSocket; at the page's door, or of a path at another one. */
 int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer);
+int lf_talk_connect_door(const gateway *g, int door, const char *path, const char *headers,
+                         const char **out_answer);
 /* One with the token. */
 int lf_talk_open(const gateway *g);
 void lf_talk_send(int fd, int opcode, const char *data, size_t n);
@@ -102,6 +109,8 @@ void lf_talk_say(int fd, const char *text);
 /* The next message that is neither ping nor pong: its opcode, -1 at the end; data in a static
  * buffer of *out_n bytes, terminated. */
 int lf_talk_next(int fd, const unsigned char **out_data, size_t *out_n);
+/* Waits until the gateway has read all that was sent (a ping). Nothing else may come meanwhile. */
+void lf_talk_settle(int fd);
 /* Reads until a text message holds this word, and returns it; binary messages are counted. */
 const char *lf_talk_until(int fd, const char *word, int *out_binaries);
 

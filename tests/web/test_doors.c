@@ -25,13 +25,14 @@ static void check(gateway *g, lf_door door, const char *line, const char *header
 static void each_door_says_that_it_is_there(void **state)
 {
     for (lf_door door = LF_DOOR_BRIDGE; door < LF_DOORS; door++) {
+        const int nothing = door == LF_DOOR_BRIDGE ? 405 : 404; /* all its paths take a PUT */
         check(*state, door, "GET /", "", 200);
         check(*state, door, "GET /", "Origin: https://allowed.test\r\n", 200);
         check(*state, door, "POST /", "Content-Length: 0\r\n", 405);
         check(*state, door, "HEAD /", "", 405);
-        check(*state, door, "GET /main.js", "", 404);
-        check(*state, door, "GET /api/status", "", 404);
-        check(*state, door, "GET /rpc", "", 404);
+        check(*state, door, "GET /main.js", "", nothing);
+        check(*state, door, "GET /api/status", "", nothing);
+        check(*state, door, "GET /rpc", "", nothing);
     }
 }
 

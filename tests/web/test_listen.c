@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -161,6 +162,111 @@ static void a_wrong_public_origin_is_wrong_usage(void **state)
     assert_memory_equal(line, "https://a.test:8443/#", 21);
 }
 
+static void wrong_options_of_programs_are_wrong_usage(void **state)
+{
+    (void)state;
+    static const char *const rows[][2] = {
+        {"--bridge=1", "--bridge: expects PORT,PORT"},
+        {"--bridge=1,2,3", "--bridge: expects PORT,PORT"},
+        {"--bridge=1,65536", "--bridge: expects PORT,PORT"},
+        {"--webxr=1,2", "--webxr: expects PORT"},
+        {"--webxr=", "--webxr: expects PORT"},
+        {"--allow-origin null", "--allow-origin: expects http://NAME"},
+        {"--allow-origin '*'", "--allow-origin: expects http://NAME"},
+        {"--bridge-version two", "--bridge-version: expects numbers with points"},
+        {"--bridge-version .1", "--bridge-version: expects numbers with points"},
+        {"--bridge-version ''", "--bridge-version: expects numbers with points"},
+    };
+    char line[256];
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        assert_int_equal(run_quiltweb(rows[i][0], line), 2);
+        if (!strstr(line, rows[i][1]))
+            fail_msg("%s: %s", rows[i][0], line);
+    }
+    assert_int_equal(run_quiltweb("--bridge=0,0 --webxr=0 --bridge-version 2.7", line), 0);
+    assert_non_null(strstr(line, "http://127.0.0.1:"));
+}
+
+/* Runs quiltweb with listening sockets as systemd passes them, with these names (NULL ends them),
+ * and returns what it logs and prints. */
+static const char *run_with_sockets(const char *const names[], const char *option, int *out_code)
+{
+    static char text[4096];
+    char joined[128] = "", count[16], self[32];
+    int fds[8], n = 0, out[2], status = 0;
+    lf_error err = {0};
+    for (; names[n]; n++) {
+        lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[n], &err), &err);
+        snprintf(joined + strlen(joined), sizeof joined - strlen(joined), "%s%s", n ? ":" : "",
+                 names[n]);
+    }
+    snprintf(count, sizeof count, "%d", n);
+    assert_int_equal(pipe(out), 0);
+    const pid_t pid = fork();
+    if (pid == 0) {
+        const int input = open("/dev/null", O_RDONLY);
+        int pipe_in[2];
+        if (input < 0 || pipe(pipe_in) != 0)
+            _exit(126);
+        close(pipe_in[1]); /* the input has ended */
+        dup2(pipe_in[0], STDIN_FILENO);
+        dup2(out[1], STDOUT_FILENO);
+        dup2(out[1], STDERR_FILENO);
+        for (int i = 0; i < n; i++) /* out of the way of those that follow */
+            fds[i] = fcntl(fds[i], F_DUPFD, 100);
+        for (int i = 0; i < n; i++)
+            dup2(fds[i], 3 + i);
+        snprintf(self, sizeof self, "%d", (int)getpid());
+        setenv("LISTEN_PID", self, 1);
+        setenv("LISTEN_FDS", count, 1);
+        setenv("LISTEN_FDNAMES", joined, 1);
+        execl(lf_test_built("quiltweb"), "quiltweb", "--socket", "/nowhere", "--until-input-ends",
+              option, (char *)NULL);
+        _exit(127);
+    }
+    close(out[1]);
+    for (int i = 0; i < n; i++)
+        close(fds[i]);
+    size_t used = 0;
+    for (ssize_t got; (got = read(out[0], text + used, sizeof text - 1 - used)) > 0;)
+        used += (size_t)got;
+    text[used] = '\0';
+    close(out[0]);
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    *out_code = WEXITSTATUS(status);
+    return text;
+}
+
+static void sockets_of_systemd_are_told_apart_by_name(void **state)
+{
+    (void)state;
+    static const char *const all[] = {"page", "events", "bridge", "webxr", NULL},
+                             *const unnamed[] = {"quiltweb.socket", NULL},
+                             *const same[] = {"page", "bridge", "page", NULL},
+                             *const three[] = {"page", "page", "page", NULL};
+    int code = 0;
+    const char *text = run_with_sockets(all, NULL, &code);
+    assert_int_equal(code, 0);
+    assert_non_null(strstr(text, "requests of Bridge: port "));
+    assert_non_null(strstr(text, "events of Bridge: port "));
+    assert_non_null(strstr(text, "WebXR: port "));
+    text = run_with_sockets(unnamed, NULL, &code);
+    assert_int_equal(code, 0);
+    assert_non_null(strstr(text, "http://127.0.0.1:"));
+    assert_null(strstr(text, "port "));
+    text = run_with_sockets(unnamed, "--bridge=0,0", &code); /* others may be its own */
+    assert_int_equal(code, 0);
+    assert_non_null(strstr(text, "requests of Bridge: port "));
+    text = run_with_sockets(all, "--bridge=0,0", &code);
+    assert_int_equal(code, 2);
+    assert_non_null(strstr(text, "leave out its option"));
+    text = run_with_sockets(same, NULL, &code); /* those of a door need one port */
+    assert_int_equal(code, 2);
+    text = run_with_sockets(three, NULL, &code);
+    assert_int_equal(code, 2);
+    assert_non_null(strstr(text, "one or two sockets named page"));
+}
+
 /* The other side has ended; not only the patience of this test. */
 static bool has_ended(int fd)
 {
@@ -195,6 +301,8 @@ int main(void)
         cmocka_unit_test(both_addresses_have_one_port),
         cmocka_unit_test(a_machine_without_an_address_is_served_on_the_other),
         cmocka_unit_test(a_wrong_public_origin_is_wrong_usage),
+        cmocka_unit_test(wrong_options_of_programs_are_wrong_usage),
+        cmocka_unit_test(sockets_of_systemd_are_told_apart_by_name),
         lf_gateway_test(a_request_that_does_not_end_is_dropped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -49,6 +49,10 @@ export interface Calls {
       "passed"?: string[];
       /** true: a finished image is on display, not a rendering */
       "is_quilt"?: boolean;
+      /** true: its views were drawn from an image with depth; only with is_quilt */
+      "is_rgbd"?: boolean;
+      /** how the finished image stands, as the keys of scene.load; only with is_quilt */
+      "standing"?: { [key: string]: unknown };
       /** number of views [count] */
       "views"?: number;
       /** columns of the quilt [count] */
@@ -361,9 +365,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -440,9 +444,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;
@@ -626,9 +630,9 @@ export interface Calls {
         "chroma_depth"?: "off" | "on";
         /** factor of the depth of an RGBD image */
         "depthiness"?: number;
-        /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+        /** least depth code of an RGBD image; farther points come up to it */
         "depth_cutoff"?: number;
-        /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+        /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
         "focus"?: number;
         /** scale of a finished image about the middle of the view */
         "zoom"?: number;
@@ -1021,9 +1025,9 @@ export interface Calls {
       "chroma_depth"?: "off" | "on";
       /** factor of the depth of an RGBD image */
       "depthiness"?: number;
-      /** least depth code of an RGBD image, 0 far to 1 near; farther points come up to it */
+      /** least depth code of an RGBD image; farther points come up to it */
       "depth_cutoff"?: number;
-      /** shift of a finished image: the outermost views move by F of their width; above 0 it moves back behind the glass */
+      /** shift of a finished image: view i of N moves to the right by (2 i/(N-1) - 1) F of its width; above 0 it moves behind the glass */
       "focus"?: number;
       /** scale of a finished image about the middle of the view */
       "zoom"?: number;

@@ -56,8 +56,8 @@ async function ended(child) {
 const OPTIONS = ["--device", "sim:panel", "--view-size", `${WIDTH}x${HEIGHT}`, "--threads", "1", "--run-for", "1800"];
 
 // { folder, scene, socket, url, q, pids, stop() }; q is a client over the socket, closed by stop().
-// files: more of them in the folder, by name. scene: a file, instead of a document.
-export async function start({ document = SCENE, options = OPTIONS, files = {}, scene } = {}) {
+// files: more of them in the folder, by name. scene: a file, instead of a document. web: of the folder, more options of quiltweb.
+export async function start({ document = SCENE, options = OPTIONS, files = {}, scene, web = () => [] } = {}) {
   const build = process.env.QUILTD_BUILD;
   const folder = await mkdtemp(join(tmpdir(), "quiltd-js-"));
   const socket = join(folder, "s");
@@ -72,7 +72,7 @@ export async function start({ document = SCENE, options = OPTIONS, files = {}, s
     q = await connect(socket).catch(() => nap(50));
     if (quiltd.exitCode !== null) throw new Error("quiltd ended");
   }
-  const { quiltweb, url } = await startGateway(socket);
+  const { quiltweb, url } = await startGateway(socket, "127.0.0.1:0", ...(await web(folder)));
   const stop = async () => {
     q.close();
     await ended(quiltweb);

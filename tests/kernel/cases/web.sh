@@ -18,10 +18,11 @@ comes_back() {
     within 60 another_pid "$before" || systemctl status --no-pager quiltweb
 }
 # The first line of the answer to a request.
+port=8033
 ask() { # address as in /dev/tcp, name for Host, path, token; method and body, where they are not GET and none
     local line
-    exec 5<> "/dev/tcp/$1/8033" || return
-    printf '%s %s HTTP/1.1\r\nHost: %s:8033\r\nAuthorization: Bearer %s\r\nContent-Length: %d\r\n\r\n%s' \
+    exec 5<> "/dev/tcp/$1/$port" || return
+    printf '%s %s HTTP/1.1\r\nHost: %s:'"$port"'\r\nAuthorization: Bearer %s\r\nContent-Length: %d\r\n\r\n%s' \
         "${5:-GET}" "$3" "$2" "$4" "${#6}" "${6-}" >&5
     read -r -t 60 line <&5
     exec 5>&-
@@ -37,6 +38,10 @@ has() { # mode, owner's group, file
     local got
     got=$(stat -c '%a %G' "$3")
     [ "$got" = "$1 $2" ] || echo "$3: $got, expected $1 $2"
+}
+at() { # port, command…
+    local port=$1
+    "${@:2}"
 }
 is_url() { grep -qxE 'http://(127\.0\.0\.1|\[::1\]):8033/#[0-9a-f]{32}' "$url_file" || cat "$url_file"; }
 # Somebody of this machine, in the group or not.
@@ -63,6 +68,7 @@ fact "folders are made" succeeds systemd-tmpfiles --create /usr/lib/tmpfiles.d/q
 printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80 --threads 2 --target-error 0.1"' > /etc/default/quiltd
 fact "the service is off" off quiltweb.service
 fact "the socket is off" off quiltweb.socket
+for door in bridge events webxr; do fact "the socket $door is off" off "quiltweb-$door.socket"; done
 fact "it becomes active" becomes_active
 fact "as a user of its own" not_root
 fact "without a network" apart
@@ -87,4 +93,11 @@ fact "which quiltd answers" expects 200 127.0.0.1 localhost /api/status "$(token
 fact "it stops" succeeds systemctl stop quiltweb
 fact "the URL is gone" succeeds test ! -e "$url_file"
 fact "a request starts it again" expects 200 127.0.0.1 localhost / none
+fact "it stops" succeeds systemctl stop quiltweb.service
+fact "doors for other programs open" succeeds systemctl start quiltweb-bridge.socket quiltweb-webxr.socket
+fact "a program of Bridge starts it" at 33334 expects 200 127.0.0.1 localhost / none
+fact "events are beside" at 9724 expects 200 ::1 '[::1]' / none
+fact "and WebXR" at 11222 expects 200 127.0.0.1 localhost / none
+fact "a form of a page is refused" at 33334 expects 405 127.0.0.1 localhost / none POST
+fact "the page is there, too" expects 200 127.0.0.1 localhost / none
 finish

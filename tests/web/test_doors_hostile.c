@@ -1,0 +1,159 @@
+/* Hostile clients at every door: many, slow ones, and such that send much. Time passes when the
+ * test says so. */
+#include "tests/web/told_quiltd.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include "daemon/web/listen.h"
+#include "daemon/web/web.h"
+
+/* What a door answers to a large body. */
+static const struct {
+    lf_door door;
+    const char *line;
+    int status;
+} rows[] = {
+    {LF_DOOR_PAGE, "PUT /api/upload?name=a", 413},
+    {LF_DOOR_PAGE, "PUT /api/quilt?cols=1&rows=1", 413},
+    {LF_DOOR_PAGE, "POST /api/login", 413},
+    {LF_DOOR_PAGE, "GET /", 413},
+    {LF_DOOR_BRIDGE, "PUT /bridge_version", 413},
+    {LF_DOOR_BRIDGE, "PUT /insert_playlist_entry", 413},
+    {LF_DOOR_BRIDGE, "PUT /no_such_endpoint", 413},
+    {LF_DOOR_BRIDGE, "GET /", 413},
+    {LF_DOOR_EVENTS, "PUT /event_source", 413},
+    {LF_DOOR_EVENTS, "GET /event_source", 413},
+    {LF_DOOR_EVENTS, "GET /", 413},
+    {LF_DOOR_WEBXR, "PUT /driver", 413},
+    {LF_DOOR_WEBXR, "GET /driver", 413},
+    {LF_DOOR_WEBXR, "GET /", 413},
+};
+enum { N_ROWS = sizeof rows / sizeof rows[0] };
+
+static lf_web *begin_web(void)
+{
+    lf_error err = {0};
+    lf_web *web = NULL;
+    lf_web_config config = {.socket = "/nowhere", .upload_limit = 1 << 20};
+    for (lf_door door = LF_DOOR_PAGE; door < LF_DOORS; door++) {
+        config.doors[door].n = 1;
+        lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.doors[door].fd[0], &err), &err);
+    }
+    lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
+    return web;
+}
+
+static int connect_client(const lf_web *web, lf_door door)
+{
+    const struct sockaddr_in address = {.sin_family = AF_INET,
+                                        .sin_port = htons((uint16_t)lf_web_port(web, door)),
+                                        .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_true(fd >= 0);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    return fd;
+}
+
+/* The status that a door answers to a request with headers, within `seconds` 0; closes fd. */
+static int status_of(const lf_web *web, lf_door door, const char *line, const char *headers)
+{
+    char request[512], answer[64] = "";
+    int fd = connect_client(web, door);
+    const int n =
+        snprintf(request, sizeof request,
+                 "%s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n%s\r\n", line,
+                 lf_web_port(web, door), strchr(lf_web_url(web), '#') + 1, headers);
+    assert_int_equal(send(fd, request, (size_t)n, MSG_NOSIGNAL), n);
+    lf_clock_settle(event);
+    const ssize_t got = recv(fd, answer, sizeof answer - 1, MSG_DONTWAIT);
+    close(fd);
+    return got > 9 && strncmp(answer, "HTTP/1.1 ", 9) == 0 ? atoi(answer + 9) : 0;
+}
+
+static void every_door_has_a_row(void **state)
+{
+    (void)state;
+    for (lf_door door = LF_DOOR_PAGE; door < LF_DOORS; door++) {
+        bool found = false;
+        for (int i = 0; i < N_ROWS; i++)
+            found = found || rows[i].door == door;
+        assert_true(found);
+    }
+}
+
+/* A gigabyte is refused by its length, and a body without one by its coding. */
+static void a_large_body_is_refused_before_it_comes(void **state)
+{
+    (void)state;
+    lf_web *web = begin_web();
+    for (int i = 0; i < N_ROWS; i++) {
+        const int large =
+            status_of(web, rows[i].door, rows[i].line, "Content-Length: 1073741824\r\n");
+        const int coded =
+            status_of(web, rows[i].door, rows[i].line, "Transfer-Encoding: chunked\r\n");
+        if (large != rows[i].status || coded != 400)
+            fail_msg("door %d, %s: %d and %d, expected %d and 400", rows[i].door, rows[i].line,
+                     large, coded, rows[i].status);
+    }
+    lf_web_destroy(web);
+}
+
+/* Nothing, headers that come byte by byte, and a body that does not. */
+static void a_slow_client_has_ten_seconds(void **state)
+{
+    (void)state;
+    static const char begin[] = "GET / HTTP/1.1\r\nX: ";
+    for (lf_door door = LF_DOOR_PAGE; door < LF_DOORS; door++) {
+        lf_web *web = begin_web();
+        int silent = connect_client(web, door), slow = connect_client(web, door);
+        lf_clock_settle(event);
+        assert_int_equal(send(slow, begin, strlen(begin), MSG_NOSIGNAL), strlen(begin));
+        for (int second = 0; second < 10; second++) {
+            lf_clock_settle(event);
+            assert_true(is_open(silent) && is_open(slow));
+            assert_int_equal(send(slow, "x", 1, MSG_NOSIGNAL), 1);
+            lf_clock_pass(event, 1);
+        }
+        assert_false(is_open(silent) || is_open(slow));
+        close(silent);
+        close(slow);
+        lf_web_destroy(web);
+    }
+}
+
+/* They come faster than they are given up, at one door, and keep nobody out at any. */
+static void ten_thousand_connections_keep_nobody_out(void **state)
+{
+    (void)state;
+    enum { ALL = 10000, HELD = 200, AT_ONCE = 30 };
+    for (lf_door door = LF_DOOR_PAGE; door < LF_DOORS; door++) {
+        lf_web *web = begin_web();
+        int held[HELD];
+        for (int i = 0; i < HELD; i++)
+            held[i] = -1;
+        for (int i = 0; i < ALL / LF_DOORS; i++) {
+            if (held[i % HELD] >= 0)
+                close(held[i % HELD]);
+            held[i % HELD] = connect_client(web, door);
+            if (i % AT_ONCE == 0)
+                lf_clock_settle(event);
+        }
+        for (lf_door other = LF_DOOR_PAGE; other < LF_DOORS; other++)
+            assert_int_equal(status_of(web, other, "GET /", ""), 200);
+        for (int i = 0; i < HELD; i++)
+            close(held[i]);
+        lf_web_destroy(web);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_door_has_a_row),
+        cmocka_unit_test_setup_teardown(a_large_body_is_refused_before_it_comes, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_slow_client_has_ten_seconds, setup, teardown),
+        cmocka_unit_test_setup_teardown(ten_thousand_connections_keep_nobody_out, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
