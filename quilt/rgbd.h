@@ -67,7 +67,7 @@ lf_rgbd_in lf_rgbd_side_of(const lf_standing *standing, const char *path);
 #define LF_RGBD_DISPARITY (1.0 / 9.0)
 
 /* A difference of codes between neighbouring pixels above this is a step: the surface is cut. */
-#define LF_RGBD_STEP (1.0 / 16.0)
+#define LF_RGBD_STEP (1.0 / 12.0)
 
 /* Positions within a pixel at which views are sampled along a row: edges are exact to an eighth of
  * a pixel of a view. */

@@ -130,7 +130,7 @@ fi
 # Browsers reach it: what its unit must not lose, whatever the sum of its other lines is.
 closed() {
     local line
-    for line in DynamicUser=yes Group=quiltd PrivateNetwork=yes PrivateDevices=yes IPAddressDeny=any IPAddressAllow=localhost RestrictAddressFamilies=AF_UNIX ProtectSystem=strict MemoryMax=3G; do
+    for line in DynamicUser=yes Group=quiltd PrivateNetwork=yes PrivateDevices=yes IPAddressDeny=any IPAddressAllow=localhost RestrictAddressFamilies=AF_UNIX ProtectSystem=strict MemoryMax=3500M; do
         grep -qxF "$line" "$prefix/lib/systemd/system/quiltweb.service" || echo "no $line"
     done
     grep -h '^ListenStream=' "$prefix"/lib/systemd/*/quiltweb*.socket | grep -vxE 'ListenStream=((127\.0\.0\.1|\[::1\]):(8033|33334|9724|11222)|/tmp/holoplay-driver\.ipc)'
@@ -150,7 +150,7 @@ doors() {
     done
     grep -qxF SocketMode=0600 "$prefix/lib/systemd/user/quiltweb-nng.socket" || echo "others may open nng's socket"
     grep -qF "\$QUILTWEB_OPTIONS" "$prefix"/lib/systemd/system/quiltweb.service || echo "no way to --allow-origin"
-    for line in RestrictAddressFamilies=AF_UNIX NoNewPrivileges=yes MemoryDenyWriteExecute=yes MemoryMax=3G; do
+    for line in RestrictAddressFamilies=AF_UNIX NoNewPrivileges=yes MemoryDenyWriteExecute=yes MemoryMax=3500M; do
         grep -qxF "$line" "$prefix/lib/systemd/user/quiltweb.service" || echo "for a session: no $line"
     done
 }

@@ -6,8 +6,10 @@
 #include "base/thread.h"
 #include "daemon/engine/engine_internal.h"
 
-/* Shortest interval between the mixed images. */
+/* Shortest interval between the mixed images. Where mixing takes longer, at least a fifth of the
+ * time is left for the engine's other work. */
 #define STEP_NS (LF_NS_PER_S / 60)
+#define OTHER_WORK 4
 
 static void release(engine_fade *fade)
 {
@@ -96,11 +98,17 @@ static void mix(lf_engine *engine, lf_frame *frame, int weight)
 {
     engine_fade *fade = &engine->frames.fade;
     fade->weight = weight;
-    fade->next_ns = lf_time_now_ns() + STEP_NS;
     lf_blend(&fade->from, &fade->to, weight, &frame->image, engine->pool);
     frame->fades = weight < LF_BLEND_WHOLE;
     if (!frame->fades)
         engine_fade_end(engine);
+}
+
+/* When the next image is due, after one that was begun then. */
+static void set_next(engine_fade *fade, uint64_t begun)
+{
+    const uint64_t end = lf_time_now_ns(), next = end + (end - begun) / OTHER_WORK;
+    fade->next_ns = next > begun + STEP_NS ? next : begun + STEP_NS;
 }
 
 static void keep_head(engine_faded *head, const lf_frame *frame)
@@ -130,6 +138,7 @@ void engine_fade_frame(lf_engine *engine, lf_frame *frame)
     frame->image = fade->to;
     fade->to = whole;
     mix(engine, frame, weight_now(fade));
+    set_next(fade, lf_time_now_ns());
 }
 
 /* Views that the frame's picture should have come with. */
@@ -165,7 +174,8 @@ void engine_fade_step(lf_engine *engine)
     engine_fade *fade = &engine->frames.fade;
     const int weight = weight_now(fade);
     const bool waits = lf_mailbox_waiting(engine->mailbox);
-    fade->next_ns = lf_time_now_ns() + STEP_NS;
+    const uint64_t begun = lf_time_now_ns();
+    set_next(fade, begun);
     if (weight < LF_BLEND_WHOLE && (waits || weight == fade->weight))
         return;
     if (waits && fade->next == ENGINE_KEEPS) { /* it may have views that must not be lost */
@@ -188,6 +198,7 @@ void engine_fade_step(lf_engine *engine)
         engine->frames.n_before++;
     engine_publish(engine);
     lf_mailbox_post(engine->mailbox, frame);
+    set_next(fade, begun);
 }
 
 void engine_fade_limit(lf_frame *frame)

@@ -148,7 +148,7 @@ static const lf_method methods[] = {
          KEY("loop", BOOLEAN("true"), "start again after the last entry") ","
          KEY("crossfade", NUMBER("seconds") RANGE("0", "10") DEFAULT("0"),
              "time in which an image turns into the next one") ","
-         KEY("check", BOOLEAN("false"), "only check the entries, and change nothing")),
+         KEY("check", BOOLEAN("false"), "check all and answer as usual, but change nothing")),
      lf_server_playlist_set},
     {"playlist.get", "return the slideshow", "playlist.get", OBJECT(""), lf_server_playlist_get},
     {"playlist.play", "start the slideshow, or go to an entry", "playlist.play index=0",

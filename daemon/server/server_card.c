@@ -37,7 +37,7 @@ static const char *without_folder(const char *words)
 
 static void say_error(const lf_error *err, char *out, size_t size)
 {
-    char line[32] = "";
+    char line[14] = "";
     if (err->line > 0)
         snprintf(line, sizeof line, ":%d", err->line);
     snprintf(out, size, "Cannot show %.80s%s: %.270s", name_of(err->where), line,

@@ -27,18 +27,22 @@ json_t *lf_server_entry_json(const lf_playlist_entry *entry)
     return json;
 }
 
+static json_t *whole_json(const lf_playlist_state *state, const lf_played_folder *folder)
+{
+    json_t *entries = json_array();
+    for (int i = 0; i < state->n; i++)
+        (void)json_array_append_new(entries, lf_server_entry_json(&state->entries[i]));
+    return json_pack("{s:o, s:o, s:b, s:i, s:b, s:b, s:b, s:f, s:f}", "entries", entries, "folder",
+                     folder->path ? lf_rpc_text(folder->path) : json_null(), "more",
+                     (int)folder->more, "index", state->index, "playing", (int)state->playing,
+                     "paused", (int)state->paused, "loop", (int)state->how.loop, "seconds",
+                     state->how.seconds, "crossfade", state->how.crossfade);
+}
+
 json_t *lf_server_whole_playlist_json(const lf_server *server)
 {
     const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
-    const char *folder = server->gallery.folder.path;
-    json_t *entries = json_array();
-    for (int i = 0; i < now.n; i++)
-        (void)json_array_append_new(entries, lf_server_entry_json(&now.entries[i]));
-    return json_pack("{s:o, s:o, s:b, s:i, s:b, s:b, s:b, s:f, s:f}", "entries", entries, "folder",
-                     folder ? lf_rpc_text(folder) : json_null(), "more",
-                     (int)server->gallery.folder.more, "index", now.index, "playing",
-                     (int)now.playing, "paused", (int)now.paused, "loop", (int)now.how.loop,
-                     "seconds", now.how.seconds, "crossfade", now.how.crossfade);
+    return whole_json(&now, &server->gallery.folder);
 }
 
 /* --------------------------------------------------------------------------------- one entry -- */
@@ -137,8 +141,8 @@ typedef struct checking {
     lf_errand errand;
     const lf_server *server; /* only what is constant */
     lf_deferred *deferred;   /* NULL: nobody waits for an answer */
-    bool only_checks;        /* nothing changes */
     bool begins;             /* at the start: the entries are then played */
+    bool only_checks;        /* the list stays as it is */
     char *folder;            /* absolute; NULL: entries are given */
     bool more;
     lf_playlist_entry *entries;
@@ -265,6 +269,14 @@ static void take(lf_server *server, checking *c)
         lf_playlist_play(gallery->playlist, 0);
 }
 
+/* Answers what the list would be. */
+static void tell(const checking *c)
+{
+    const lf_playlist_state state = {.entries = c->entries, .n = c->n, .how = c->how};
+    const lf_played_folder folder = {c->folder, c->more};
+    lf_deferred_reply(c->deferred, whole_json(&state, &folder));
+}
+
 static void fail(lf_server *server, const checking *c)
 {
     const lf_errand *errand = &c->errand;
@@ -280,15 +292,6 @@ static void fail(lf_server *server, const checking *c)
     lf_server_ready(server);
 }
 
-/* The entries that were checked, as playlist.set would return them. */
-static json_t *checked_json(const checking *c)
-{
-    json_t *entries = json_array();
-    for (int i = 0; i < c->n; i++)
-        (void)json_array_append_new(entries, lf_server_entry_json(&c->entries[i]));
-    return json_pack("{s:o}", "entries", entries);
-}
-
 static void on_checked(void *context, lf_errand *errand)
 {
     lf_server *server = context;
@@ -300,7 +303,7 @@ static void on_checked(void *context, lf_errand *errand)
     if (errand->status != LF_OK && !(stops && !c->deferred)) {
         fail(server, c);
     } else if (errand->status == LF_OK && c->only_checks) {
-        lf_deferred_reply(c->deferred, checked_json(c));
+        tell(c);
     } else if (errand->status == LF_OK) {
         take(server, c);
         if (c->deferred)

@@ -48,6 +48,8 @@ static int on_again(sd_event_source *source, uint64_t usec, void *context)
 
 static void open_in(lf_server *server, uint64_t usec)
 {
+    if (server->life.loan.again)
+        return; /* it is opened soon anyway */
     if (sd_event_add_time_relative(server->event, &server->life.loan.again, CLOCK_MONOTONIC, usec,
                                    1, on_again, server) < 0)
         lf_log(LF_LOG_WARNING, "%s: the panel stays closed: out of memory", server->life.loan.spec);
@@ -67,7 +69,7 @@ void lf_server_loan_opened(lf_server *server, const lf_error *err)
     lf_loan *loan = &server->life.loan;
     if (!loan->spec || loan->client != 0)
         return; /* it was lent again meanwhile */
-    if (!err) {
+    if (!err || lf_server_is_stopping(server)) {
         lf_server_loan_forget(server);
         return;
     }

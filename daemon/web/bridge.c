@@ -180,7 +180,7 @@ static void end(lf_bridge_call *call, json_t *reply)
     if (bridge->running == call)
         bridge->running = NULL;
     call->reply = reply;
-    if (call->left)
+    if (!call->done)
         free_call(call);
     else if (!call->beginning)
         call->done(call->context);
@@ -297,7 +297,7 @@ void lf_bridge_leave(lf_bridge_call *call)
     if (call && call->reply)
         free_call(call);
     else if (call)
-        call->left = true;
+        call->done = NULL;
 }
 
 /* ---------------------------------------------------------------------------------- its life -- */
@@ -311,10 +311,24 @@ static void on_note(void *context, const char *method, const json_t *params)
         lf_bridge_show_note(bridge, method, params);
 }
 
+/* Otherwise each call of the queue would wait for a quiltd that hangs. */
+static void fail_queue(lf_bridge *bridge)
+{
+    lf_bridge_call *queue = bridge->queue;
+    bridge->queue = NULL;
+    while (queue) {
+        lf_bridge_call *call = queue;
+        queue = call->next;
+        call->next = NULL;
+        lf_bridge_fail(call, "quiltd does not answer; the request was not begun");
+    }
+}
+
 static void on_ended(void *context)
 {
     lf_bridge *bridge = context;
-    bridge->knows_panel = false;
+    bridge->knows_panel = bridge->measures_panel = false;
+    fail_queue(bridge);
     lf_bridge_show_ended(bridge);
 }
 

@@ -25,8 +25,6 @@ bool lf_bridge_number(const json_t *value, double *out)
         number = 0;
     else if (!text || !lf_decimal_is(text, &number))
         return false;
-    if (!isfinite(number))
-        return false;
     *out = number;
     return true;
 }

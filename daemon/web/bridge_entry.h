@@ -7,8 +7,7 @@
 
 #include "base/status.h"
 
-/* Reads a number, a boolean, or a text that is one of both. False: it is something else, or not
- * finite. */
+/* Reads a number, a boolean, or a text that is one of both. False: it is something else. */
 bool lf_bridge_number(const json_t *value, double *out);
 /* The same, without digits behind the point. */
 bool lf_bridge_whole(const json_t *value, int *out);

@@ -32,9 +32,9 @@ struct lf_bridge_call {
     lf_bridge *bridge;
     const lf_bridge_endpoint *endpoint;
     json_t *body;
-    lf_bridge_done_fn done;
+    lf_bridge_done_fn done; /* NULL: nobody waits any more */
     void *context;
-    bool beginning, left;
+    bool beginning;
     json_t *reply;
     lf_bridge_then_fn then, looked; /* looked: of lf_bridge_look */
     /* what endpoints keep from answer to answer */

@@ -60,8 +60,8 @@ static int on_broken(sd_event_source *source, void *context)
     lf_link_destroy(calls->link);
     calls->link = NULL;
     sd_event_source_set_enabled(calls->patience, SD_EVENT_OFF);
-    fail_all(calls, "quiltd has closed the connection, or does not answer");
     calls->events.ended(calls->events.context);
+    fail_all(calls, "quiltd has closed the connection, or does not answer");
     return 0;
 }
 

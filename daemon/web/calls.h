@@ -20,7 +20,7 @@ typedef void (*lf_calls_done_fn)(void *context, const json_t *result, const char
 typedef struct lf_calls_events {
     /* A notification; borrowed. */
     void (*note)(void *context, const char *method, const json_t *params);
-    /* The connection broke; its calls have failed. */
+    /* The connection broke. Its calls fail after this. */
     void (*ended)(void *context);
     void *context;
 } lf_calls_events;

@@ -29,6 +29,10 @@ void lf_web_counts_write(const lf_web_counts *counts, FILE *out)
          counts->bridge_requests},
         {"bridge_failures_total", "counter", "Those of them that were answered with Failure.",
          counts->bridge_failures},
+        {"driver_commands_total", "counter", "Commands of programs of the older protocol.",
+         counts->driver_commands},
+        {"driver_failures_total", "counter", "Those of them that failed.", counts->driver_failures},
+        {"driver_image_bytes", "gauge", "Bytes of images of these programs.", counts->driver_bytes},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
         write_one(out, rows[i].name, rows[i].type, rows[i].help, rows[i].value);

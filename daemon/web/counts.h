@@ -12,6 +12,8 @@ typedef struct lf_web_counts {
     int upload_files, download_files;
     uint64_t upload_bytes, download_bytes;
     uint64_t bridge_requests, bridge_failures; /* since the start */
+    uint64_t driver_commands, driver_failures; /* likewise, of the older protocol */
+    uint64_t driver_bytes;                     /* of its images */
 } lf_web_counts;
 
 /* Writes HELP, TYPE and sample of each quantity. The caller checks errors of out (ferror). */

@@ -109,10 +109,18 @@ static void on_reply(void *context, const uint8_t *data, size_t n)
     listen_for(p);
 }
 
+/* Of the message that comes. */
+static void expect_more(const peer *p)
+{
+    lf_patience_pace(p->patience, PACE_USEC);
+}
+
 static void on_ready(void *context)
 {
     peer *p = context;
     p->paused = false;
+    if (p->inside)
+        expect_more(p);
     listen_for(p);
 }
 
@@ -128,7 +136,7 @@ static bool begin_message(peer *p)
         return false;
     p->inside = true;
     p->left = n;
-    lf_patience_pace(p->patience, PACE_USEC);
+    expect_more(p);
     return true;
 }
 
@@ -174,6 +182,8 @@ static bool read_some(peer *p)
     for (size_t at = 0, used = 0; good && at < (size_t)n; at += used)
         good = take_some(p, data + at, (size_t)n - at, &used);
     p->paused = lf_driver_is_busy(p->client);
+    if (p->paused)
+        lf_patience_stop(p->patience); /* it waits for us */
     return good;
 }
 

@@ -63,7 +63,10 @@ static void keep(json_t **kept, json_t *value)
 /* The result of the step came. */
 static void go_on(lf_panel_only *lent, json_t *result)
 {
-    if (lent->step == STATUS) {
+    if (lent->step == STATUS &&
+        !json_is_true(json_object_get(json_object_get(result, "device"), "present"))) {
+        try_again(lent, "none is connected");
+    } else if (lent->step == STATUS) {
         keep(&lent->found, json_object_get(result, "device"));
         ask(lent, CALIBRATION);
     } else if (lent->step == CALIBRATION) {

@@ -218,6 +218,11 @@ static void count(lf_web *web, lf_web_counts *counts)
     counts->upload_bytes = lf_uploads_bytes(web->uploads);
     counts->download_files = lf_downloads_count(web->downloads);
     counts->download_bytes = lf_downloads_bytes(web->downloads);
+    if (web->driver) {
+        counts->driver_commands = lf_driver_commands(web->driver);
+        counts->driver_failures = lf_driver_failures(web->driver);
+        counts->driver_bytes = lf_driver_bytes(web->driver);
+    }
     if (!web->bridge)
         return;
     counts->bridge_requests = lf_bridge_requests(web->bridge);

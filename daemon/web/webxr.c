@@ -96,8 +96,10 @@ static void on_part(void *context, const uint8_t *data, size_t n)
     const lf_status status = n > 0 ? lf_driver_take(g->client, data, n) : lf_driver_end(g->client);
     if (status != LF_OK)
         lf_ws_close(g->ws, LF_WS_POLICY, "messages come faster than they are answered");
-    else if (lf_driver_is_busy(g->client))
+    else if (lf_driver_is_busy(g->client)) {
+        lf_patience_stop(g->patience); /* it waits for us */
         lf_ws_pause(g->ws, true);
+    }
 }
 
 static void on_reply(void *context, const uint8_t *data, size_t n)
@@ -110,6 +112,8 @@ static void on_reply(void *context, const uint8_t *data, size_t n)
 static void on_ready(void *context)
 {
     const guest *g = context;
+    if (g->inside)
+        lf_patience_pace(g->patience, PACE_USEC);
     lf_ws_pause(g->ws, false);
 }
 

@@ -50,7 +50,7 @@ class Fake:
                 "unityIndex": 1, "joystickIndex": -1, "buttons": [0, 0, 0, 0], "calibration": self.calibration,
                 "defaultQuilt": {"quiltX": 3360, "quiltY": 3360, "tileX": 8, "tileY": 6, "quiltAspect": 0.75}}
 
-    async def show(self, method, *arguments):
+    async def call(self, method, *arguments):
         if self.mistake == "shows nothing":
             return True
         call = await asyncio.create_subprocess_exec(self.quiltctl, "--socket", self.quiltd, method, *arguments,
@@ -60,14 +60,11 @@ class Fake:
     # ---------------------------------------------------------------------------------------- Bridge --
 
     async def play(self):
-        entry = self.playlists[self.playing][self.index]
-        side = ("top", "bottom", "right", "left")[int(entry.get("depth_loc", 2))]
-        if int(entry["isRGBD"]):
-            shown = await self.show("scene.load", f"file={entry['uri']}", f"rgbd_in={side}")
-        else:
-            shown = await self.show("quilt.show", entry["uri"], f"columns={entry['cols']}", f"rows={entry['rows']}")
+        entries = [{"file": entry["uri"], **({"rgbd_in": ("top", "bottom", "right", "left")[int(entry["depth_loc"])]} if int(entry["isRGBD"]) else
+                                             {"quilt": f"{entry['cols']}x{entry['rows']}"})} for entry in self.playlists[self.playing]]
+        shown = await self.call("playlist.set", "entries:=" + json.dumps(entries)) and await self.call("playlist.play", f"index={self.index}")
         if not shown:
-            print(f"fake: {entry['uri']}: cannot be shown", file=sys.stderr, flush=True)
+            print(f"fake: {json.dumps(entries)}: cannot be shown", file=sys.stderr, flush=True)
         return shown or self.mistake == "false success"
 
     async def endpoint(self, name, body):
@@ -94,8 +91,9 @@ class Fake:
             self.index = {"next": self.index + 1, "previous": self.index - 1}.get(name.rpartition("_")[2], body.get("index", 0))
             self.index %= len(self.playlists[self.playing])
             return {}, self.index == last or await self.play()
-        elif name not in ("show_window", "delete_playlist", "update_current_entry", "transport_control_play", "transport_control_pause",
-                          "exit_orchestration"):
+        elif name in ("transport_control_play", "transport_control_pause"):
+            return {}, await self.call("playlist.pause", f"paused={'true' if name.endswith('pause') else 'false'}")
+        elif name not in ("show_window", "delete_playlist", "update_current_entry", "exit_orchestration"):
             return {}, False
         return {}, True
 
@@ -136,7 +134,7 @@ class Fake:
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(d)) + t + d + struct.pack(">I", zlib.crc32(t + d)) for t, d in chunks))
             file.flush()
-            return await self.show("quilt.show", file.name, f"columns={settings['vx']}", f"rows={settings['vy']}", f"aspect={settings['aspect']}")
+            return await self.call("quilt.show", file.name, f"columns={settings['vx']}", f"rows={settings['vy']}", f"aspect={settings['aspect']}")
 
     async def web_socket(self, reader, writer, path):
         if path == "/":

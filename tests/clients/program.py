@@ -8,6 +8,7 @@
     program.py bindata SOCKET|ws       as alice, but reads the reply to show
     program.py text                    what ws://localhost:11222/ says first
     program.py quiltwright FILE        quiltwright --cast
+    program.py pause | resume          its functions pause_quilt and resume_quilt, which enter an orchestration each
     program.py newest FILE…            bridge.js as in its repository: a playlist of quilts of 4 columns and 2 rows
     program.py ask ENDPOINT BODY       one request of Bridge
 
@@ -248,12 +249,15 @@ def quiltwright(path):
     done("instance_playlist", {"orchestration": token, "name": "quiltwright", "loop": True})
     done("insert_playlist_entry", {"orchestration": token, "name": "quiltwright", "index": 0, "uri": os.path.abspath(path), "rows": 2,
                                    "cols": 4, "aspect": 0.75, "view_count": 8, "durationMS": 20000, "isRGBD": 0})
-    reply = done("play_playlist", {"orchestration": token, "name": "quiltwright", "head_index": -1})
-    # its functions pause_quilt and resume_quilt, each of which enters again
-    same = enter()
-    done("transport_control_pause", {"orchestration": same})
-    done("transport_control_play", {"orchestration": enter()})
-    return {"reply": reply, "same": same == token}
+    return done("play_playlist", {"orchestration": token, "name": "quiltwright", "head_index": -1})
+
+
+def pause():
+    return done("transport_control_pause", {"orchestration": enter()})
+
+
+def resume():
+    return done("transport_control_play", {"orchestration": enter()})
 
 
 def newest(*paths):
@@ -277,7 +281,7 @@ def ask(endpoint, body):
 
 
 def main():
-    program = {f.__name__: f for f in (alice, demo, vtk, nngcat, bindata, text, quiltwright, newest, ask)}.get(sys.argv[1] if sys.argv[1:] else "")
+    program = {f.__name__: f for f in (alice, demo, vtk, nngcat, bindata, text, quiltwright, pause, resume, newest, ask)}.get(sys.argv[1] if sys.argv[1:] else "")
     if not program:
         print(__doc__)
         return 2

@@ -115,8 +115,12 @@ step("bridge.js of its repository plays a list, and steps through it", async (wo
   await shows(world, RED.second);
 });
 step("quiltwright --cast shows its quilt, pauses and goes on", async (world) => {
-  const { same } = await program("quiltwright", [await world.file("third.png", quilt(RED.third))]);
-  assert.ok(same, "a program that enters again gets the same orchestration");
+  await program("quiltwright", [await world.file("third.png", quilt(RED.third))]);
+  await shows(world, RED.third);
+  await program("pause");
+  assert.equal((await world.quiltctl("playlist.get")).paused, true);
+  await program("resume");
+  assert.equal((await world.quiltctl("playlist.get")).paused, false);
   await shows(world, RED.third);
 });
 

@@ -127,6 +127,19 @@ static void write_rgbd(const char *path)
     lf_image8_finish(&image);
 }
 
+/* quiltd opens its panel after its socket. */
+static void wait_for_panel(house *h)
+{
+    bool is_there = false;
+    for (int i = 0; i < LIVE_PATIENCE_S * 50 && !is_there; i++, live_nap(20)) {
+        json_t *answer = live_call(&h->h.c, "status", NULL);
+        const json_t *device = json_object_get(json_object_get(answer, "result"), "device");
+        is_there = json_is_true(json_object_get(device, "present"));
+        json_decref(answer);
+    }
+    assert_true(is_there);
+}
+
 static void open_house(house *h)
 {
     char program[PATH_MAX];
@@ -135,6 +148,7 @@ static void open_house(house *h)
     write_rgbd(within(&h->h, "depth.png"));
     live_start(&h->h.l, NULL, "--device", h->h.l.sim, "--allow-path", h->h.scene, NULL);
     enter(&h->h);
+    wait_for_panel(h);
     snprintf(program, sizeof program, "%s", lf_test_built("quiltweb"));
     char *args[] = {program,
                     (char *)(uintptr_t) "--socket",
@@ -393,6 +407,7 @@ static void without_a_quiltd_requests_fail_in_words(void **state)
     ask(&h, "play_playlist", named("a"), "Failure", "quiltd");
     live_start(&h.h.l, NULL, "--device", h.h.l.sim, "--allow-path", h.h.scene, NULL);
     enter(&h.h);
+    wait_for_panel(&h);
     done(&h, "play_playlist", named("a")); /* its playlists are still there */
     close_house(&h);
 }

@@ -496,6 +496,39 @@ static void the_calibration_is_told_at_once(void **state)
     end(&p);
 }
 
+/* A socket unit passes it by the name "nng"; then the path is not quiltweb's to remove. */
+static void a_socket_may_come_from_systemd(void **state)
+{
+    (void)state;
+    programs p;
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    live_prepare(&p.l);
+    live_start(&p.l, p.l.scene, "--device", p.l.sim, "--state", p.l.state, NULL);
+    live_connect(&p.l, &p.c);
+    snprintf(p.nng, sizeof p.nng, "%s/passed", p.l.folder);
+    memcpy(address.sun_path, p.nng, sizeof p.nng);
+    const int listening = socket(AF_UNIX, SOCK_STREAM, 0);
+    assert_int_equal(bind(listening, (struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(listen(listening, 4), 0);
+    /* a shell gives the descriptor its number, and the variables their values */
+    char command[PATH_MAX], fd[16];
+    snprintf(fd, sizeof fd, "%d", listening);
+    snprintf(command, sizeof command,
+             "exec 3<&%s; LISTEN_FDS=1 LISTEN_FDNAMES=nng LISTEN_PID=$$ exec %s --socket %s "
+             "--listen 127.0.0.1:0 --url-file %s/url",
+             fd, lf_test_built("quiltweb"), p.l.socket, p.l.folder);
+    char *args[] = {(char *)(uintptr_t) "/bin/bash", (char *)(uintptr_t) "-c", command, NULL};
+    p.web = live_spawn(&p.l, args);
+    int client = nng_connect(&p); /* waits in the kernel until quiltweb runs */
+    check_info(nng_ask(client, "{\"info\": {}}", NULL, 0));
+    close(client);
+    stop_web(&p);
+    assert_int_equal(access(p.nng, F_OK), 0);
+    close(listening);
+    live_close(&p.c);
+    live_finish(&p.l);
+}
+
 /* Each beside one that is let in. */
 static void strangers_are_refused(void **state)
 {
@@ -657,6 +690,7 @@ int main(void)
         cmocka_unit_test(a_program_need_not_wait),
         cmocka_unit_test(a_page_talks_by_a_websocket),
         cmocka_unit_test(the_calibration_is_told_at_once),
+        cmocka_unit_test(a_socket_may_come_from_systemd),
         cmocka_unit_test(strangers_are_refused),
         cmocka_unit_test(recorded_requests_are_answered),
         cmocka_unit_test(a_panel_is_lent_and_comes_back),

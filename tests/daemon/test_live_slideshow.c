@@ -72,6 +72,21 @@ static void a_folder_is_shown_in_natural_order(void **state)
             strncmp(name, "movie", 5) != 0)
             assert_shown(&h, name, ++generation);
     }
+    json_t *answer =
+        live_call(&h.c, "playlist.set",
+                  json_pack("{s:o, s:b}", "entries", entries_of(&h, "a.png", LONG), "check", 1));
+    const json_t *checked = json_object_get(answer, "result");
+    assert_int_equal(json_array_size(json_object_get(checked, "entries")), 1);
+    assert_true(json_is_false(json_object_get(checked, "playing")));
+    json_decref(answer);
+    assert_refused(
+        &h, "playlist.set",
+        json_pack("{s:[{s:s}], s:b}", "entries", "file", within(&h, "missing.png"), "check", 1),
+        -32002, "/entries/0/file", "No such file");
+    now = list(&h);
+    assert_int_equal(json_array_size(json_object_get(now, "entries")), SHOWN);
+    assert_true(json_is_true(json_object_get(now, "playing")));
+    json_decref(now);
     set(&h, "a.png", LONG, true);
     now = list(&h);
     assert_true(json_is_null(json_object_get(now, "folder")));

@@ -155,6 +155,7 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_video_params, option) && !lf_param_find(lf_photo_params, option) &&
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_find(lf_integrator_params(), option) &&
+            !lf_param_find(lf_standing_params, option) &&
             !lf_param_among(&own, "passes spp time state state-info stats plan help completion"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -166,10 +167,15 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
 static void every_option_of_depth_stands_in_the_manual_of_quiltrender(void **state)
 {
     (void)state;
-    char *page = read_page("docs/man/quiltrender.1");
+    char *page = read_page("docs/man/quiltrender.1"), *daemon = read_page("docs/man/quiltd.1");
     for (const lf_param *row = lf_rgbd_params; row->name; row++)
         check_option(page, row, true);
+    for (const lf_param *row = lf_standing_params; row->name; row++) {
+        check_option(page, row, true);
+        check_option(daemon, row, false);
+    }
     lf_free(page);
+    lf_free(daemon);
 }
 
 static void every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltrender(void **state)

@@ -37,7 +37,8 @@ static const struct group {
     {"video", lf_video_params, NULL, NULL, NULL, NULL},
     {"import", lf_option_params, NULL, LF_OPTIONS_IMPORT, NULL, NULL},
     {"quiltd", NULL, NULL, NULL, "quiltd",
-     "socket device state allow-path export-dir buttons web watch run-for"},
+     "socket device state allow-path export-dir buttons web playlist seconds crossfade watch "
+     "run-for"},
     {"quiltrender", NULL, NULL, NULL, "quiltrender", "state state-info stats plan"},
     {"every", NULL, NULL, NULL, "quiltd", "help version completion"},
 };

@@ -266,6 +266,10 @@ static void the_sides_go_on_without_fronts(void **state)
         assert_true(f.views[VIEWS - 1][1][7 - i][0] < 1 || f.views[VIEWS - 1][1][7 - i][0] > 8 ||
                     i > 12);
     }
+    int fronts = 0; /* in view 0 its mirror image would move into the view */
+    for (int x = 0; x < WIDTH; x++)
+        fronts += f.views[0][1][x][0] >= 1 && f.views[0][1][x][0] <= 8;
+    assert_int_equal(fronts, 8);
     for (int x = 0; x < 8; x++) { /* the front moved by -12 and is gone; nothing stands for it */
         const int column = f.views[VIEWS - 1][1][x][0];
         assert_true(column < 1 || column > 8);

@@ -193,8 +193,7 @@ static void without_a_panel_nothing_is_played(void **state)
     assert_int_equal(lf_gateway_calls(g, "playlist.play"), 0);
 }
 
-/* ------------------------------------------------------------------------- never a false word --
- */
+/* ------------------------------------------------------------------------ never a false word -- */
 
 static void what_quiltd_refuses_fails_in_its_words(void **state)
 {
@@ -393,6 +392,7 @@ static void listeners_are_told_of_their_orchestration(void **state)
 {
     gateway *g = *state;
     const char *token = enter(g), *other = enter(g);
+    done(g, "instance_playlist", other, "\"name\":\"a\"");
     int fd = listen_to(g, token), silent = listen_to(g, other);
     make_list(g, token, "a", "/a.png");
     done(g, "insert_playlist_entry", token, "\"name\":\"a\",\"index\":1,\"uri\":\"/b.png\"");
@@ -401,12 +401,12 @@ static void listeners_are_told_of_their_orchestration(void **state)
     done(g, "transport_control_pause", token, "");
     done(g, "transport_control_play", token, "");
     done(g, "delete_playlist", token, "\"name\":\"a\"");
-    done(g, "instance_playlist", other, "\"name\":\"a\"");
+    done(g, "delete_playlist", other, "\"name\":\"a\"");
     check_event(fd, token, "Playlist Instance", 0);
     check_event(fd, token, "Playlist Insert", 0);
     check_event(fd, token, "Playlist Insert", 1);
     check_event(fd, token, "New Item Playing", 0);
-    check_event(silent, other, "Playlist Instance", 0); /* and nothing before */
+    check_event(silent, other, "Playlist Delete", 0); /* and nothing before */
     close(fd);
     close(silent);
 }

@@ -178,7 +178,7 @@ static void another_playlist_takes_the_place(void **state)
     close_behind(&b);
 }
 
-/* Whoever waits in the queue is answered, too. */
+/* Whoever waits in the queue does not wait as long again. */
 static void a_quiltd_that_hangs_is_given_up(void **state)
 {
     (void)state;
@@ -193,30 +193,60 @@ static void a_quiltd_that_hangs_is_given_up(void **state)
     assert_non_null(strstr(receive(fd), "does not answer"));
     assert_false(is_open(b.quiltd));
     close(b.quiltd);
-    accept_quiltd(&b); /* for the next one, on a new connection */
+    assert_non_null(strstr(receive(next), "was not begun"));
+    fd = begin_put(&b, "available_output_devices", "{}");
+    accept_quiltd(&b); /* a new connection */
     answer(&b, "status", "{\"device\":{\"present\":false}}");
     answer(&b, "device.calibration", "{}");
-    assert_non_null(strstr(receive(next), "\"Completion\""));
+    assert_non_null(strstr(receive(fd), "\"Completion\""));
     close_behind(&b);
 }
 
-/* What was begun goes on, and nobody gets the reply. */
-static void a_program_may_leave(void **state)
+static void on_tell(void *context, const char *token, json_t *told)
+{
+    (void)context;
+    (void)token;
+    (void)told;
+}
+
+static void on_done(void *context)
+{
+    ++*(int *)context;
+}
+
+/* What was begun goes on, and nobody is told of the reply. */
+static void nobody_is_told_who_has_left(void **state)
 {
     (void)state;
-    behind b;
-    open_behind(&b);
-    int fd = begin_put(&b, "available_output_devices", "{}");
+    behind b = {.folder = lf_test_folder()};
+    lf_error err = {0};
+    lf_bridge *bridge = NULL;
+    lf_bridge_call *gone = NULL, *stays = NULL;
+    int n_done = 0;
+    b.listener = listen_as_quiltd(b.folder, b.path);
+    const lf_bridge_config config = {
+        .event = event, .socket = b.path, .version = "2.6.3", .tell = on_tell};
+    lf_assert_ok(lf_bridge_create(&config, &bridge, &err), &err);
+    lf_assert_ok(lf_bridge_begin(bridge, "available_output_devices", json_object(), on_done,
+                                 &n_done, &gone, &err),
+                 &err);
+    lf_assert_ok(lf_bridge_begin(bridge, "available_output_devices", json_object(), on_done,
+                                 &n_done, &stays, &err),
+                 &err);
     accept_quiltd(&b);
-    close(fd);
-    lf_clock_pass(event, 1);
-    fd = begin_put(&b, "available_output_devices", "{}");
+    lf_bridge_leave(gone);
     for (int i = 0; i < 2; i++) {
+        assert_null(lf_bridge_reply(stays));
         answer(&b, "status", "{\"device\":{\"present\":false}}");
         answer(&b, "device.calibration", "{}");
     }
-    assert_non_null(strstr(receive(fd), "\"Completion\""));
-    close_behind(&b);
+    assert_non_null(lf_bridge_reply(stays));
+    assert_int_equal(n_done, 1);
+    lf_bridge_leave(stays);
+    lf_bridge_destroy(bridge);
+    close(b.quiltd);
+    close(b.listener);
+    lf_test_folder_remove(b.folder);
 }
 
 static void the_end_does_not_wait(void **state)
@@ -287,7 +317,7 @@ int main(void)
         timed(an_image_is_waited_for),
         timed(another_playlist_takes_the_place),
         timed(a_quiltd_that_hangs_is_given_up),
-        timed(a_program_may_leave),
+        timed(nobody_is_told_who_has_left),
         timed(the_end_does_not_wait),
         timed(events_for_a_program_that_sleeps_are_lost),
     };

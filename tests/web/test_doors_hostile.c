@@ -55,7 +55,7 @@ static int connect_client(const lf_web *web, lf_door door)
     return fd;
 }
 
-/* The status that a door answers to a request with headers, within `seconds` 0; closes fd. */
+/* The status that a door answers to a request with these headers; 0: none. */
 static int status_of(const lf_web *web, lf_door door, const char *line, const char *headers)
 {
     char request[512], answer[64] = "";

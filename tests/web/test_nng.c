@@ -19,18 +19,23 @@ typedef struct home {
     lf_nng *nng;
 } home;
 
-static home begin(void)
+static home begin_before(const char *quiltd)
 {
     home h = {.folder = lf_test_folder()};
     lf_error err = {0};
     int fd = -1;
     const lf_driver_config config = {
-        .event = event, .socket = "/nowhere", .version = "2.6.3", .image_limit = LIMIT};
+        .event = event, .socket = quiltd, .version = "2.6.3", .image_limit = LIMIT};
     assert_true(snprintf(h.path, sizeof h.path, "%s/nng", h.folder) < (int)sizeof h.path);
     lf_assert_ok(lf_listen_at(h.path, "--nng=PATH", &h.listener, &fd, &err), &err);
     lf_assert_ok(lf_driver_create(&config, &h.driver, &err), &err);
     lf_assert_ok(lf_nng_create(event, fd, h.driver, &h.nng, &err), &err);
     return h;
+}
+
+static home begin(void)
+{
+    return begin_before("/nowhere");
 }
 
 static void end(home *h)
@@ -241,6 +246,77 @@ static void a_client_that_stands_still_is_dropped(void **state)
     end(&h);
 }
 
+/* Its next message stands still because a command of it runs: quiltd does not answer. */
+static void a_client_that_waits_for_us_stays(void **state)
+{
+    (void)state;
+    static const uint8_t head[] = {1, 0, 0, 0, 0, 0, 0x10, 0, 0, 0x80, 0, 0, 1};
+    char *folder = lf_test_folder(), path[108];
+    const int quiltd = listen_as_quiltd(folder, path);
+    home h = begin_before(path);
+    size_t n = 0;
+    uint8_t *next = frame((uint32_t)ID, "{\"wipe\": {}}", &n);
+    int fd = greet(&h);
+    uint8_t both[256];
+    memcpy(both, next, n);
+    memcpy(both + n, head, sizeof head);
+    put(fd, both, n + sizeof head); /* quiltweb reads them together */
+    lf_clock_pass(event, 59);
+    assert_true(is_open(fd));
+    lf_clock_pass(event, 1);
+    assert_int_equal(take_error(fd, (uint32_t)ID), LF_DRIVER_FAILED);
+    lf_clock_pass(event, 19);
+    assert_true(is_open(fd));
+    lf_clock_pass(event, 1);
+    assert_false(is_open(fd));
+    free(next);
+    close(fd);
+    end(&h);
+    close(quiltd);
+    lf_test_folder_remove(folder);
+}
+
+/* quiltd answers the next call, which must hold these words. */
+static void answer_call(int listener, const char *words, const char *result)
+{
+    char line[256];
+    int quiltd = accept(listener, NULL, NULL), fd = -1;
+    assert_true(quiltd >= 0);
+    limit_rights(quiltd);
+    const char *call = hear(quiltd, &fd);
+    if (!strstr(call, words))
+        fail_msg("%s, expected %s", call, words);
+    snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:fetch\",\"result\":%s}\n",
+             result);
+    say(quiltd, line);
+    if (fd >= 0)
+        close(fd);
+    close(quiltd);
+    lf_clock_settle(event);
+}
+
+/* quiltd has the quilt at first, and shows it later. */
+static void an_answer_waits_for_the_panel(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), path[108];
+    const int quiltd = listen_as_quiltd(folder, path);
+    home h = begin_before(path);
+    size_t n = 0;
+    uint8_t *wipe = frame((uint32_t)ID, "{\"wipe\": {}}", &n);
+    int fd = greet(&h);
+    put(fd, wipe, n);
+    answer_call(quiltd, "quilt.show", "{\"generation\":9,\"warnings\":[]}");
+    assert_true(is_open(fd)); /* and nothing came */
+    answer_call(quiltd, "\"generation\":9,\"for\":\"coarse\"", "{\"generation\":9}");
+    assert_int_equal(take_error(fd, (uint32_t)ID), LF_DRIVER_NONE);
+    free(wipe);
+    close(fd);
+    end(&h);
+    close(quiltd);
+    lf_test_folder_remove(folder);
+}
+
 static void clients_are_bounded(void **state)
 {
     (void)state;
@@ -249,6 +325,7 @@ static void clients_are_bounded(void **state)
     for (int i = 0; i < LF_DRIVER_MAX_CLIENTS; i++)
         fds[i] = greet(&h);
     int refused = connect_client(&h);
+    assert_int_equal(drain(refused), 0); /* it is not even greeted */
     assert_false(is_open(refused));
     close(refused);
     close(fds[0]);
@@ -369,6 +446,8 @@ int main(void)
         timed(a_client_that_does_not_read_stays_harmless),
         timed(other_protocols_are_dropped),
         timed(a_client_that_stands_still_is_dropped),
+        timed(a_client_that_waits_for_us_stays),
+        timed(an_answer_waits_for_the_panel),
         timed(clients_are_bounded),
         timed(a_large_image_is_skipped),
         timed(the_socket_is_for_its_user_alone),

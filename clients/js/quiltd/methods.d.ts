@@ -649,7 +649,7 @@ export interface Calls {
       "loop"?: boolean;
       /** time in which an image turns into the next one [seconds] */
       "crossfade"?: number;
-      /** only check the entries, and change nothing */
+      /** check all and answer as usual, but change nothing */
       "check"?: boolean;
     };
     result: {
