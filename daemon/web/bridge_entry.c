@@ -212,10 +212,11 @@ static lf_status set_quilt(json_t *entry, const json_t *said, lf_error *err)
                             MAX_TILES);
     if (views && (!lf_bridge_whole(views, &n_views) || n_views < 0))
         return lf_error_set(err, LF_E_ARG, "view_count", "expects a whole number from 1");
-    if (columns && n_views > 0 && n_views != n_columns * n_rows)
-        return lf_error_set(err, LF_E_ARG, "view_count",
-                            "quiltd shows all tiles of a quilt; expects %d, which is cols x rows",
+    if (columns && n_views > n_columns * n_rows)
+        return lf_error_set(err, LF_E_ARG, "view_count", "expects at most %d, which is cols x rows",
                             n_columns * n_rows);
+    if (columns && n_views > 0 && n_views < n_columns * n_rows)
+        json_object_set_new(entry, "views", json_integer(n_views));
     snprintf(tiles, sizeof tiles, "%dx%d", n_columns, n_rows);
     if (columns)
         json_object_set_new(entry, "quilt", json_string(tiles));
