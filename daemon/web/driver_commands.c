@@ -103,10 +103,6 @@ static json_t *read_settings(lf_driver_client *client, const json_t *settings, c
         fail_key(client, "vtotal", "at most vx times vy views");
         return NULL;
     }
-    if (is_set(json_object_get(settings, "invert"))) {
-        fail_key(client, "invert", "0; turn the order of the views round before you send them");
-        return NULL;
-    }
     json_t *params = json_pack("{s:i, s:i, s:i}", "columns", columns, "rows", rows, "views", views);
     if (params && json_number_value(aspect) > 0)
         json_object_set_new(params, "aspect", json_real(json_number_value(aspect)));

@@ -233,8 +233,8 @@ static void settings_are_checked(void **state)
                 {"{\"vx\": \"2\", \"vy\": 1}", "vx"},
                 {"{\"vx\": 1e300, \"vy\": 1}", "vx"},
                 {"{\"vx\": 2, \"vy\": 2, \"vtotal\": 5}", "vtotal"},
-                {"{\"vx\": 2, \"vy\": 2, \"invert\": true}", "invert"},
-                {"{\"vx\": 2, \"vy\": 2, \"invert\": 1}", "invert"},
+                {"{\"vx\": 2, \"vy\": 2, \"invert\": true}", "quiltd answers"},
+                {"{\"vx\": 2, \"vy\": 2, \"invert\": 1}", "quiltd answers"},
                 {"{\"vx\": 2.0, \"vy\": 2, \"vtotal\": 4, \"invert\": 0}", "quiltd answers"}};
     talk *t = begin(NULL);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -242,7 +242,7 @@ static void settings_are_checked(void **state)
         snprintf(cmd, sizeof cmd, "{\"show\": {\"quilt\": {\"settings\": %s}}}", rows[i].settings);
         say_command(t, cmd, (const uint8_t *)"\xff\xd8 a", 4);
         const int error = take_error(t, words);
-        const bool good = i + 1 == sizeof rows / sizeof rows[0];
+        const bool good = strcmp(rows[i].words, "quiltd answers") == 0;
         assert_int_equal(error, good ? LF_DRIVER_FAILED : LF_DRIVER_BAD_COMMAND);
         if (!strstr(words, rows[i].words))
             fail_msg("%s: %s", rows[i].settings, words);
