@@ -298,7 +298,7 @@ static lf_status whiten(lf_rendering *r, lf_error *err)
 static lf_status open_scene(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    if (a->photo_option) {
+    if (a->photo_option && access(a->scene, F_OK) == 0) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->photo_option);
         return lf_error_set(

@@ -194,6 +194,7 @@ static const struct {
     {2, "%Q -o %D/x.png --depth-inversion on", "--depth-inversion: needs an image with depth"},
     {2, "%S -o %D/x.png --depth-inversion on", "--depth-inversion: needs --rgbd"},
     {2, "%S -o %D/x.png --zoom 2", "--zoom: applies only to finished images"},
+    {1, "%D/none_rgbd.png -o %D/x.png --rgbd-in", "none_rgbd.png: cannot open"},
     {1, "%D/flat.png --rgbd-in -o %D/x.png", "has no depth: its depth half has one colour"},
     {1, "%D/flat.png --rgbd-in right --chroma-depth on -o %D/x.png", "has no depth"},
     {1, "%D/odd.png --rgbd-in -o %D/x.png", "has no depth: 15 columns do not have two halves"},
