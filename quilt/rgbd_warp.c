@@ -318,8 +318,9 @@ static void run_rows(warp_run *run, lf_pool_fn fn, int n, lf_pool *pool)
 void lf_rgbd_warp_run(lf_rgbd_warp *warp, const lf_rgbd_picture *picture, uint8_t *out,
                       lf_pool *pool)
 {
-    warp_run run = {warp, picture, out};
     lf_rgbd_surface *surface = &warp->surface;
+    warp_run run = {.warp = warp, .picture = picture};
+    run.out = out;
     assert(picture->width == warp->width && picture->height == warp->height);
     assert(!warp->row || !pool || lf_pool_threads(pool) <= warp->n_workers);
     if (warp->row)

@@ -88,13 +88,13 @@ void lf_standing_views8(const lf_standing *standing, const lf_views8 *views, uin
     const double zoom = standing->zoom > 0 ? standing->zoom : 1, width = zoom * views->width,
                  height = zoom * views->height;
     standing_run run = {.views = views,
-                        .out = out,
                         .focus = standing->focus * views->width,
                         .zoom = zoom,
                         .x0 = 0.5 * (views->width - width * (1 + standing->crop_x)),
                         .y0 = 0.5 * (views->height - height * (1 + standing->crop_y)),
                         .taps = (int)fmin(ceil(1 / zoom), MOST_TAPS)};
     const int n = views->n_views * views->height;
+    run.out = out;
     run.x1 = run.x0 + width;
     run.y1 = run.y0 + height;
     const bool done = pool && lf_pool_run(pool, n, draw_row, &run, NULL) == LF_OK;

@@ -32,31 +32,30 @@ static const slot no_slot = {.at = -1};
 
 struct lf_player {
     lf_movie movie;
-    bool once;
     uint8_t *frames[N_FRAMES];
-    int wakeup;
     pthread_t thread;
-    bool started;
     void (*news)(void *context);
     void *context;
+    int wakeup;
+    bool once, started;
 
     /* owned by the thread */
     lf_decoder *decoder, *next; /* of this round, of the next one */
     slot filling;
-    bool is_full;   /* filling is whole */
     int64_t n_read; /* frames read since the start */
     int64_t round;  /* of the frames that are read */
+    bool is_full;   /* filling is whole */
     bool is_over;   /* no more frames follow */
     bool told_of_waiting;
 
     pthread_mutex_t lock;
     /* under lock */
-    bool stop;
     lf_movie_clock clock;
     slot waiting; /* until it is due */
     slot newest;  /* due and not taken */
     slot held;    /* taken */
     lf_player_status status;
+    bool stop;
 };
 
 /* ------------------------------------------------------------------------------------ frames -- */

@@ -123,7 +123,8 @@ void lf_server_playlist_pause(lf_call *call)
 static lf_status change(lf_call *call, int index, lf_error *err)
 {
     lf_playlist *playlist = call->server->gallery.playlist;
-    const lf_playlist_entry *before = &lf_playlist_now(playlist).entries[index];
+    const lf_playlist_state now = lf_playlist_now(playlist);
+    const lf_playlist_entry *before = &now.entries[index];
     lf_playlist_entry entry = {.file = before->file, .seconds = before->seconds};
     json_t *merged = before->keys ? json_copy(before->keys) : json_object();
     lf_load_words words = {0};

@@ -90,7 +90,6 @@ typedef enum lf_route_needs {
 } lf_route_needs;
 
 typedef struct lf_route {
-    lf_door door;
     const char *path, *method;
     /* Each answers the request, or leaves it as it is (check), or suspends it (act). NULL: nothing
      * to do. */
@@ -100,6 +99,7 @@ typedef struct lf_route {
     /* Takes a part of the body. NULL: there is none. */
     enum MHD_Result (*take)(lf_request *r, const char *body, size_t n);
     uint64_t body_limit; /* bytes; 0: that of uploads */
+    lf_door door;
     lf_route_needs needs;
     lf_web_lane lane;
     bool is_start; /* path is the start of longer ones, which are meant */
@@ -196,7 +196,7 @@ struct lf_seat {
 /* Answers a handshake, and seats a guest of this kind after it. */
 enum MHD_Result lf_seats_answer(lf_request *r, const lf_seat_kind *kind);
 /* The guest has ended. Not from within an event of the WebSocket. */
-void lf_seat_leave(lf_seat *seat);
+void lf_seat_leave(lf_seat *gone);
 void lf_seats_leave(lf_web *web);
 /* WebSockets of all doors. */
 int lf_seats_count(const lf_web *web);
