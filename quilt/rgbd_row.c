@@ -119,6 +119,39 @@ static void paint(lf_rgbd_row *row, int j)
         row->shown[s] = j;
 }
 
+/* lf_rgbd_row.shown of the gap between pixels j and j + 1, and back. */
+static int mark_of(int j)
+{
+    return -2 - j;
+}
+
+/* The pixel at the rim of a gap, on its farther side. */
+static int rim_of(const lf_rgbd_row *row, int mark)
+{
+    const int j = -2 - mark;
+    return row->code[j] <= row->code[j + 1] ? j : j + 1;
+}
+
+/* What is shown at a sample: a pixel, or for a gap the pixel at its rim; -1: nothing. */
+static int pixel_at(const lf_rgbd_row *row, int s)
+{
+    return row->shown[s] < -1 ? rim_of(row, row->shown[s]) : row->shown[s];
+}
+
+/* Paints the gap that opens between the sides of a cut. Its background goes on as far as the
+ * farther side, and hides what is farther by a step: not the pixels that it would repeat. */
+static void paint_gap(lf_rgbd_row *row, int j)
+{
+    if (j < 0 || j + 1 >= row->columns.n || row->code[j] < 0 || row->code[j + 1] < 0)
+        return;
+    const float least = fminf(row->code[j], row->code[j + 1]) - (float)LF_RGBD_STEP;
+    for (int s = row->to[j]; s < row->from[j + 1]; s++) {
+        const int there = pixel_at(row, s);
+        if (there < 0 || row->code[there] < least)
+            row->shown[s] = mark_of(j);
+    }
+}
+
 /* Of two points of a row at the same place of a view, the nearer one has moved further. So it comes
  * from the right if near points move to the left, and painting from the left to the right ends with
  * what is in front (McMillan, "An image-based approach to three-dimensional computer graphics",
@@ -128,11 +161,15 @@ static void paint_all(lf_rgbd_row *row, const lf_rgbd_move *move, int n)
     for (int s = 0; s < n; s++)
         row->shown[s] = -1;
     if (move->gain <= 0)
-        for (int j = 0; j < row->columns.n; j++)
+        for (int j = 0; j < row->columns.n; j++) {
+            paint_gap(row, j - 1);
             paint(row, j);
+        }
     else
-        for (int j = row->columns.n - 1; j >= 0; j--)
+        for (int j = row->columns.n - 1; j >= 0; j--) {
+            paint_gap(row, j);
             paint(row, j);
+        }
 }
 
 /* ------------------------------------------------------------------------------------- holes -- */
@@ -187,8 +224,8 @@ static void prefer(const lf_rgbd_row *row, int rim, int direction, background *b
         *b = (background){rim, direction};
 }
 
-/* A hole opens at a step of the picture, and shows what is on its far side: the pixel at one end of
- * the hole, or the neighbour in the picture of the pixel at the other end, which may be hidden. */
+/* The background of a hole: the pixel at one of its ends, or the neighbour in the picture of one of
+ * them, which may be hidden. */
 static background background_of(const lf_rgbd_row *row, int before, int after)
 {
     background b = {.rim = -1};
@@ -201,30 +238,51 @@ static background background_of(const lf_rgbd_row *row, int before, int after)
     return b;
 }
 
-/* Fills samples [from, to) of a hole: the background goes on, mirrored at its rim. */
-static void fill_hole(lf_rgbd_row *row, int from, int to, int n)
+/* Shows a background at samples [from, to) of a hole or gap over [low, high): the surface at its
+ * rim goes on, mirrored. */
+static void show_background(lf_rgbd_row *row, background b, int low, int high, int from, int to)
 {
-    background b =
-        background_of(row, from > 0 ? row->shown[from - 1] : -1, to < n ? row->shown[to] : -1);
-    if (b.rim < 0)
-        return;
-    const int there = surface_of(row, b.direction, (to - from) / S + 1 + RIM, &b.rim),
+    const int there = surface_of(row, b.direction, (high - low) / S + 1 + RIM, &b.rim),
               skip = there > RIM ? RIM : there - 1, period = there - skip;
     for (int s = from; s < to; s++) {
-        const int t = (b.direction > 0 ? to - 1 - s : s - from) / S % (2 * period);
+        const int t = (b.direction > 0 ? high - 1 - s : s - low) / S % (2 * period);
         row->shown[s] = b.rim + b.direction * (skip + (t < period ? t : 2 * period - 1 - t));
     }
 }
 
+/* The end of the samples from `from` on that show the same. */
+static int end_of(const lf_rgbd_row *row, int from, int n)
+{
+    int s = from + 1;
+    while (s < n && row->shown[s] == row->shown[from])
+        s++;
+    return s;
+}
+
+/* Beyond the sides of the picture, and where a mirrored front was left out. */
 static void fill_holes(lf_rgbd_row *row, int n)
 {
-    for (int s = 0; s < n; s++) {
-        const int from = s;
-        if (row->shown[s] >= 0)
+    for (int from = 0, to; from < n; from = to) {
+        to = row->shown[from] == -1 ? end_of(row, from, n) : from + 1;
+        if (row->shown[from] != -1)
             continue;
-        while (s < n && row->shown[s] < 0)
-            s++;
-        fill_hole(row, from, s, n);
+        const background b = background_of(row, from > 0 ? pixel_at(row, from - 1) : -1,
+                                           to < n ? pixel_at(row, to) : -1);
+        if (b.rim >= 0)
+            show_background(row, b, from, to, from, to);
+    }
+}
+
+static void fill_gaps(lf_rgbd_row *row, int n)
+{
+    for (int from = 0, to; from < n; from = to) {
+        const int mark = row->shown[from], j = -2 - mark;
+        to = mark < -1 ? end_of(row, from, n) : from + 1;
+        if (mark >= -1)
+            continue;
+        const int rim = rim_of(row, mark);
+        show_background(row, (background){rim, rim == j ? -1 : 1}, row->to[j], row->from[j + 1],
+                        from, to);
     }
 }
 
@@ -247,6 +305,7 @@ void lf_rgbd_row_draw(lf_rgbd_row *row, const lf_rgbd_light *light, const lf_rgb
     find_samples(row, move, n);
     paint_all(row, move, n);
     fill_holes(row, n);
+    fill_gaps(row, n);
     for (int x = 0; x < n_out; x++, out += 3) {
         const int *shown = row->shown + S * x;
         const int first = shown[0];

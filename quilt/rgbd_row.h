@@ -20,7 +20,8 @@ typedef struct lf_rgbd_row {
     float *code;             /* [n]; below 0: the pixel is not there */
     float *left, *right; /* [n] codes at the edges: shared with the neighbour, except at a step */
     int *from, *to;      /* [n] samples of the view that a pixel covers */
-    int *shown;          /* [samples] the pixel at a sample; -1: none */
+    int *shown; /* [samples] the pixel at a sample; -1: none; -2 - j: the gap of a cut, between
+                 * pixels j and j + 1 */
 } lf_rgbd_row;
 LF_NODISCARD lf_status lf_rgbd_row_init(lf_rgbd_row *row, const lf_rgbd_columns *columns,
                                         int n_samples);

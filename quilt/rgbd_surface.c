@@ -185,6 +185,11 @@ void lf_rgbd_surface_take(lf_rgbd_surface *surface, int y, const lf_rgbd *rgbd,
 
 /* ------------------------------------------------------------------------------------- steps -- */
 
+static bool is_step(float a, float b)
+{
+    return fabsf(a - b) > (float)LF_RGBD_STEP;
+}
+
 /* The least and the greatest code at most `reach` pixels from pixel j of row y along both axes. */
 static void range_at(const lf_rgbd_surface *s, int y, int j, int reach, float *out_least,
                      float *out_most)
@@ -204,8 +209,39 @@ static void range_at(const lf_rgbd_surface *s, int y, int j, int reach, float *o
     *out_most = most;
 }
 
+/* A pixel among enough pixels of its code is on a plateau, which is no part of a slope. */
+static bool is_plateau(const lf_rgbd_surface *s, int y, int j)
+{
+    const int top = y > 2 ? y - 2 : 0, left = j > 2 ? j - 2 : 0,
+              bottom = y + 2 < s->height - 1 ? y + 2 : s->height - 1,
+              right = j + 2 < s->n - 1 ? j + 2 : s->n - 1;
+    const float own = s->code[(size_t)y * (size_t)s->n + (size_t)j];
+    int alike = 0;
+    for (int i = top; i <= bottom; i++) {
+        const float *code = s->code + (size_t)i * (size_t)s->n;
+        for (int k = left; k <= right; k++)
+            alike += fabsf(code[k] - own) < 0.5f * (float)LF_RGBD_STEP;
+    }
+    return alike >= s->plateau;
+}
+
+/* The code that pixel j gets at a step whose ends in 5 x 5 pixels are these: its own, or that of
+ * the nearest pixels of an end's surface. */
+static float sharp_at(const lf_rgbd_surface *s, int y, int j, float least, float most)
+{
+    const float own = s->code[(size_t)y * (size_t)s->n + (size_t)j], range = most - least;
+    const bool falls = own - least < 0.45f * range, rises = !falls && most - own < 0.45f * range;
+    if ((!falls && !rises) || is_plateau(s, y, j))
+        return own;
+    float low, high;
+    range_at(s, y, j, 1, &low, &high);
+    const float end = rises ? most : least, close = rises ? high : low;
+    return is_step(close, end) ? end : close;
+}
+
 /* Codes near either end of their neighbourhood become this end, as a camera's sharpness, JPEG and
- * depth networks make slopes of steps. A plane's code is in the middle, and stays. */
+ * depth networks make slopes of steps. A plane's code is in the middle, and stays; so does a
+ * surface between two others. */
 void lf_rgbd_surface_sharpen(const lf_rgbd_surface *surface, int y)
 {
     const size_t start = (size_t)y * (size_t)surface->n;
@@ -214,11 +250,8 @@ void lf_rgbd_surface_sharpen(const lf_rgbd_surface *surface, int y)
     for (int j = 0; j < surface->n; j++) {
         float least, most;
         range_at(surface, y, j, 2, &least, &most);
-        const float range = most - least;
-        out[j] = range <= 2 * (float)LF_RGBD_STEP  ? code[j]
-                 : code[j] - least < 0.45f * range ? least
-                 : most - code[j] < 0.45f * range  ? most
-                                                   : code[j];
+        out[j] = most - least <= 2 * (float)LF_RGBD_STEP ? code[j]
+                                                         : sharp_at(surface, y, j, least, most);
     }
 }
 
@@ -232,7 +265,7 @@ void lf_rgbd_surface_join(const lf_rgbd_surface *surface, int y)
         range_at(surface, y, j, 1, &least, &most);
         const bool is_between =
             most - code[j] > (float)LF_RGBD_STEP && code[j] - least > (float)LF_RGBD_STEP;
-        out[j] = is_between ? most : code[j];
+        out[j] = is_between && !is_plateau(surface, y, j) ? most : code[j];
     }
 }
 

@@ -18,6 +18,7 @@ void lf_rgbd_light_init(lf_rgbd_light *light);
 
 typedef struct lf_rgbd_surface {
     int n, height;
+    int plateau;     /* pixels of 5 x 5 with one code that are a surface and no part of a slope */
     uint16_t *light; /* [height][n][3] */
     uint8_t *colour; /* the same, display encoded */
     float *code;     /* [height][n] */

@@ -12,6 +12,9 @@
 #define MOST_MARGIN 4
 /* Pixels by which what is in front of a step grows, at most. */
 #define MOST_WIDEN 4
+/* Pixels of 5 x 5 that make a plateau: a corner has nine, and a line of a slope five; in a picture
+ * that is enlarged, a line is two wide. */
+enum { PLATEAU = 8, PLATEAU_ENLARGED = 13 };
 
 struct lf_rgbd_warp {
     lf_rgbd rgbd;
@@ -136,7 +139,10 @@ static lf_status place_pixels(lf_rgbd_warp *w)
     w->enlarged = across >= 1 && down >= 1;
     /* colours of a step are mixed over a pixel of the picture */
     w->n_widen = (int)fmin(ceil(fmax(across, 1)), MOST_WIDEN);
-    return status == LF_OK ? lf_rgbd_surface_init(&w->surface, n, height) : status;
+    if (status == LF_OK)
+        status = lf_rgbd_surface_init(&w->surface, n, height);
+    w->surface.plateau = w->n_widen > 1 ? PLATEAU_ENLARGED : PLATEAU;
+    return status;
 }
 
 static lf_status make_rows(lf_rgbd_warp *w, const lf_pool *pool)

@@ -1,5 +1,4 @@
-/* Pictures with depth as views: against closed forms and a depth test of all pixels, which the code
- * does without. */
+/* Pictures with depth as views: against closed forms. test_rgbd_steps has what hides what. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
@@ -131,7 +130,8 @@ static void focus_moves_all_depths_alike(void **state)
     lf_assert_close(lf_rgbd_step(&rgbd, VIEWS), (0.09 * 0.5 + 0.06) / (VIEWS - 1), 1e-9, 0);
 }
 
-/* ------------------------------------------------------------------------- depth test, holes -- */
+/* ------------------------------------------------------------------------- -------------- holes --
+ */
 
 /* Columns tell their number and whether they are a front. Codes are fifths, so that with this
  * disparity and plane every shift is a whole number of pixels. */
@@ -157,67 +157,6 @@ static void make_blocks(uint32_t *seed)
         for (; x < end && x < WIDTH; x++)
             f.code[x] = code;
     }
-}
-
-/* What is in front of a step is one pixel wider on both sides. */
-static double code_at(int x)
-{
-    double code = f.code[x];
-    if (x > 0 && f.code[x - 1] > code)
-        code = f.code[x - 1];
-    return x + 1 < WIDTH && f.code[x + 1] > code ? f.code[x + 1] : code;
-}
-
-/* The column of the picture that is seen at x in a view by a depth test; -1: none. */
-static int seen_at(int view, int x)
-{
-    int seen = -1;
-    for (int j = 0; j < WIDTH; j++)
-        if (j + lround(shift_of(WHOLE_DISPARITY, WHOLE_PLANE, view, code_at(j))) == x &&
-            (seen < 0 || code_at(j) > code_at(seen)))
-            seen = j;
-    return seen;
-}
-
-/* The code of the background of a hole: the farther side of the step at which it opens. */
-static double ground_of(int view, int x)
-{
-    int before = x, after = x;
-    while (before >= 0 && seen_at(view, before) < 0)
-        before--;
-    while (after < WIDTH && seen_at(view, after) < 0)
-        after++;
-    if (before < 0 || after >= WIDTH)
-        return 1; /* beyond the picture's side */
-    const int j = seen_at(view, before), k = seen_at(view, after);
-    return fmin(fmin(code_at(j), code_at(j + 1)), fmin(code_at(k), code_at(k > 0 ? k - 1 : k)));
-}
-
-static void the_nearer_wins_and_holes_get_the_background(void **state)
-{
-    (void)state;
-    uint32_t seed = 7;
-    int holes = 0, hidden = 0;
-    const lf_rgbd rgbd = rgbd_of(WHOLE_DISPARITY, WHOLE_PLANE);
-    number_columns();
-    for (int round = 0; round < 40; round++) {
-        make_blocks(&seed);
-        draw(&rgbd);
-        for (int view = 0; view < VIEWS; view++)
-            for (int x = 24; x < WIDTH - 24; x++) { /* what is beyond the sides moves in, too */
-                const uint8_t *at = f.views[view][1][x];
-                const int seen = seen_at(view, x);
-                assert_int_equal(at[0] + at[1], 255); /* no mixture, no black */
-                if (seen >= 0)
-                    assert_int_equal(at[0], seen);
-                else
-                    assert_true(code_at(at[0]) <= ground_of(view, x) + 1e-9);
-                holes += seen < 0;
-            }
-        for (int j = 0; j < WIDTH; j++)
-            hidden += code_at(j) > 0.9;
-    }
-    assert_true(holes > 1000 && hidden > 100);
 }
 
 /* A hole is as wide as the two sides of its step move apart, and repeats nothing of the rim. */
@@ -647,7 +586,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_step_moves_as_its_depth_says),
         cmocka_unit_test(focus_moves_all_depths_alike),
-        cmocka_unit_test(the_nearer_wins_and_holes_get_the_background),
         cmocka_unit_test(a_hole_is_as_wide_as_its_step_moves_apart),
         cmocka_unit_test(the_sides_go_on_without_fronts),
         cmocka_unit_test(surfaces_are_where_their_depth_says),
