@@ -76,5 +76,7 @@ bool lf_image_depth_is_valid(const lf_image_depth *depth)
     return d->near > 0 && isfinite(d->near) && d->far > d->near && d->distance > 0 &&
            isfinite(d->distance) && d->fov_y > 0 && d->fov_y < 180 && d->aspect > 0 &&
            isfinite(d->aspect) && d->cone > 0 && d->cone < 180 && d->views >= 1 &&
-           d->views <= 4096 && d->views == floor(d->views) && (d->centred == 1 || d->centred == 2);
+           d->views <= 4096 && d->views == floor(d->views) &&
+           (d->centred == 1 || d->centred == 2) && d->width >= 0 && isfinite(d->width) &&
+           d->height >= 0 && isfinite(d->height);
 }

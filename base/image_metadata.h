@@ -21,7 +21,8 @@ typedef struct lf_image_notes {
 } lf_image_notes;
 
 /* The geometry of a picture with depth that quiltd wrote, from its attributes (quiltd.near, …).
- * Zeroed: unknown; otherwise all members are positive. Lengths are in one unit. */
+ * Zeroed: unknown; otherwise all members but width and height are positive. Lengths are in one
+ * unit. */
 typedef struct lf_image_depth {
     double near, far; /* along the view axis, of the nearest and farthest code; far: or INFINITY */
     double distance;  /* of the plane in which points stay in place from view to view */
@@ -29,8 +30,9 @@ typedef struct lf_image_depth {
     double views;               /* cameras of the whole line; a whole number */
     double centred;             /* 1: cameras in the middle of equal parts of the cone; 2: at its
                                  * ends */
+    double width, height;       /* pixels of a view; 0: not given */
 } lf_image_depth;
-enum { LF_IMAGE_DEPTH_NUMBERS = 8 };
+enum { LF_IMAGE_DEPTH_NUMBERS = 10 };
 /* True if all numbers are as described. */
 bool lf_image_depth_is_valid(const lf_image_depth *depth);
 

@@ -127,7 +127,8 @@ static void take_text(walk *w)
         double *to;
     } numbers[] = {{"quiltd.near", &d->near},   {"quiltd.far", &d->far},
                    {"quiltd.fov_y", &d->fov_y}, {"quiltd.aspect", &d->aspect},
-                   {"quiltd.cone", &d->cone},   {"quiltd.views", &d->views}};
+                   {"quiltd.cone", &d->cone},   {"quiltd.views", &d->views},
+                   {"quiltd.width", &d->width}, {"quiltd.height", &d->height}};
     char text[256] = "";
     memcpy(text, w->data, w->n < sizeof text - 1 ? w->n : sizeof text - 1);
     const size_t key = strlen(text);
@@ -198,10 +199,12 @@ void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t s
 {
     if (!source->meta)
         return;
+    const double none = (double)NAN;
     walk w = {.source = source,
               .notes = &source->meta->notes,
               .data = lf_calloc(HELD, 1),
-              .target = {(double)NAN}};
+              .target = {none, none, none},
+              .position = {none, none, none}};
     if (!w.data)
         return;
     source->meta->depth = (lf_image_depth){0};

@@ -82,7 +82,7 @@ bool lf_standing_is_plain(const lf_standing *standing)
 
 /* ---------------------------------------------------------------------------------- geometry -- */
 
-/* Disparities beyond this many widths are no picture's. */
+/* The margin of a view and its surface allow no larger disparity, in widths. */
 #define MOST_DISPARITY 4.0
 
 static double camera_at(double t, double cone)
@@ -97,10 +97,11 @@ static void take_geometry(const lf_image_depth *d, lf_rgbd *rgbd)
                  line = tan(0.5 * cone) / (tan(0.5 * d->fov_y * radians) * d->aspect),
                  depth = 1 / d->near - 1 / d->far, disparity = line * d->distance * depth,
                  middle = floor(d->views / 2);
-    if (!(disparity > 0 && disparity <= MOST_DISPARITY))
+    if (!(disparity > 0 && isfinite(disparity)))
         return;
     rgbd->is_known = true;
-    rgbd->disparity = disparity;
+    rgbd->is_flattened = disparity > MOST_DISPARITY;
+    rgbd->disparity = fmin(disparity, MOST_DISPARITY);
     rgbd->plane = (1 / d->distance - 1 / d->far) / depth;
     rgbd->cone = cone;
     rgbd->centred = d->centred == 1;
@@ -125,6 +126,37 @@ lf_rgbd lf_rgbd_of(const lf_standing *standing, lf_rgbd_in side, const lf_image_
     if (is_filled || standing->depthiness > 0)
         rgbd.disparity *= standing->depthiness;
     return rgbd;
+}
+
+void lf_rgbd_narrow(lf_rgbd *rgbd, double factor)
+{
+    const double shorter =
+        rgbd->cone > 0 ? tan(0.5 * factor * rgbd->cone) / tan(0.5 * rgbd->cone) : factor;
+    rgbd->cone *= factor;
+    rgbd->disparity *= shorter;
+    rgbd->offset /= shorter;
+}
+
+void lf_rgbd_turn(lf_rgbd *rgbd, int orientation, double aspect)
+{
+    if (!rgbd->is_known)
+        return;
+    if (lf_orientation_swaps(orientation)) {
+        rgbd->disparity *= aspect;
+        rgbd->offset = 0;
+    } else if (orientation == 2 || orientation == 3) {
+        rgbd->offset = -rgbd->offset;
+    }
+}
+
+int lf_rgbd_tiles(const lf_image_depth *depth, int width, int height)
+{
+    if (!(depth->width >= 1 && depth->height >= 1))
+        return 1;
+    const double columns = width / depth->width, rows = height / depth->height;
+    const bool is_quilt = columns == floor(columns) && rows == floor(rows) && columns * rows > 1 &&
+                          columns * rows >= depth->views;
+    return is_quilt ? (int)(columns * rows) : 1;
 }
 
 lf_status lf_rgbd_size(lf_rgbd_in side, int width, int height, const char *where, int *out_width,

@@ -79,6 +79,7 @@ typedef struct lf_rgbd {
     bool near_is_black;
     bool is_hue;
     bool is_known;           /* the geometry is the file's, not LF_RGBD_DISPARITY */
+    bool is_flattened;       /* the file's disparity is larger than can be drawn */
     double disparity, plane; /* see above; in widths of the picture; plane may be outside 0..1 */
     double offset;           /* beta of the picture's own camera; 0: the middle */
     double cone;             /* radians: cameras stand at tan((t - 1/2) cone); 0: evenly spaced */
@@ -90,8 +91,19 @@ typedef struct lf_rgbd {
 } lf_rgbd;
 
 /* A rgbd for this side, or of known geometry (meta->depth; otherwise LF_RGBD_DISPARITY with the
- * middle code in the glass). meta may be NULL. */
+ * middle code in the glass). A disparity of more than four widths at depthiness 1 is drawn as four
+ * widths, with the same code in the glass. meta may be NULL. */
 lf_rgbd lf_rgbd_of(const lf_standing *standing, lf_rgbd_in side, const lf_image_metadata *meta);
+/* Makes the angle between the outer cameras smaller, factor 0..1; the picture's own camera stays
+ * where it is. */
+void lf_rgbd_narrow(lf_rgbd *rgbd, double factor);
+/* Follows the picture's turn to an EXIF orientation (1..8). Views differ along the new width: after
+ * a quarter turn the picture's camera is in the middle, and known disparity counts in new widths.
+ * aspect: width / height before the turn. */
+void lf_rgbd_turn(lf_rgbd *rgbd, int orientation, double aspect);
+/* How many views a colour half of width x height pixels has: 1, or more if the file says that the
+ * views of its scene are smaller (rgbd-of quilt). */
+int lf_rgbd_tiles(const lf_image_depth *depth, int width, int height);
 
 /* The size of the colour half of a picture. LF_E_FORMAT: the picture has no such halves. */
 LF_NODISCARD lf_status lf_rgbd_size(lf_rgbd_in side, int width, int height, const char *where,

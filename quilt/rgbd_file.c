@@ -11,7 +11,7 @@
 static lf_status check_look(const char *name, lf_rgbd_file *file, lf_error *err)
 {
     const lf_rgbd_look look = lf_rgbd_look_at(&file->rgbd, &file->picture);
-    if (look.is_flat)
+    if (look.is_flat && !file->rgbd.is_known) /* otherwise it is a plane */
         return lf_error_set(err, LF_E_FORMAT, name,
                             "has no depth: its depth half has one colour; pass rgbd_in off, or "
                             "the side of the depth");
@@ -71,6 +71,14 @@ lf_status lf_rgbd_file_take(const lf_raster *raster, const char *name, const lf_
                               "an image with depth must be PNG, JPEG or WebP, not EXR or HDR");
     if (status == LF_OK)
         status = lf_rgbd_size(side, raster->width, raster->height, name, &width, &height, err);
+    if (status == LF_OK && lf_rgbd_tiles(&raster->meta.depth, width, height) > 1)
+        status = lf_error_set(err, LF_E_FORMAT, name,
+                              "is a quilt of %d views with depth; write one view with --rgbd-of "
+                              "middle",
+                              lf_rgbd_tiles(&raster->meta.depth, width, height));
+    if (file.rgbd.is_flattened)
+        lf_image_note(&file.notes, "is too deep for its views, and is drawn with less depth; use a "
+                                   "smaller cone");
     lf_image_note_lines(&file.notes, raster->meta.notes.text, raster->meta.notes.length);
     if (status == LF_OK)
         status = check_look(name, &file, err);
@@ -82,6 +90,7 @@ lf_status lf_rgbd_file_take(const lf_raster *raster, const char *name, const lf_
     file.rgbd.photo = *photo;
     const int orientation = lf_photo_orientation(photo, aspect);
     file.aspect = lf_orientation_swaps(orientation) ? 1 / aspect : aspect;
+    lf_rgbd_turn(&file.rgbd, orientation, aspect);
     if (turn(orientation, width, height, &file) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, name, "not enough memory for the image");
     *out = file;

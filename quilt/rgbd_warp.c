@@ -2,6 +2,7 @@
  * same worker. */
 #include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -364,6 +365,35 @@ static bool is_grey(const uint8_t *rgb)
     return a >= -tolerance && a <= tolerance && b >= -tolerance && b <= tolerance;
 }
 
+static bool is_alike(const uint8_t *a, const uint8_t *b)
+{
+    const int tolerance = 2; /* JPEG rounds */
+    return abs(a[0] - b[0]) <= tolerance && abs(a[1] - b[1]) <= tolerance &&
+           abs(a[2] - b[2]) <= tolerance;
+}
+
+/* True where the depth half meets the colours: JPEG mixes both within a block of 16 pixels. A half
+ * must be wider than two blocks, or nothing remains. */
+static bool is_seam(const lf_rgbd_warp *h, int x, int y)
+{
+    enum { BLOCK = 16 };
+    const int width = h->half_width, height = h->half_height;
+    switch (h->rgbd.side) {
+    case LF_RGBD_IN_RIGHT:
+        return width > 2 * BLOCK && x < BLOCK;
+    case LF_RGBD_IN_LEFT:
+        return width > 2 * BLOCK && x >= width - BLOCK;
+    case LF_RGBD_IN_BOTTOM:
+        return height > 2 * BLOCK && y < BLOCK;
+    case LF_RGBD_IN_TOP:
+        return height > 2 * BLOCK && y >= height - BLOCK;
+    case LF_RGBD_IN_AUTO:
+    case LF_RGBD_IN_OFF:
+        break;
+    }
+    return false;
+}
+
 lf_rgbd_look lf_rgbd_look_at(const lf_rgbd *rgbd, const lf_rgbd_picture *picture)
 {
     lf_rgbd_warp halves = {.rgbd = *rgbd, .width = picture->width, .height = picture->height};
@@ -373,12 +403,14 @@ lf_rgbd_look lf_rgbd_look_at(const lf_rgbd *rgbd, const lf_rgbd_picture *picture
                      &halves.half_height, NULL) != LF_OK)
         return look;
     find_halves(&halves);
-    const uint8_t *first = pixel_of(picture, halves.depth_x, halves.depth_y);
+    const size_t middle_x = halves.depth_x + (size_t)halves.half_width / 2,
+                 middle_y = halves.depth_y + (size_t)halves.half_height / 2;
+    const uint8_t *middle = pixel_of(picture, middle_x, middle_y);
     for (int y = 0; y < halves.half_height; y++) {
         const uint8_t *rgb = pixel_of(picture, halves.depth_x, halves.depth_y + (size_t)y);
         for (int x = 0; x < halves.half_width; x++, rgb += 3, all++) {
             grey += is_grey(rgb);
-            look.is_flat = look.is_flat && memcmp(rgb, first, 3) == 0;
+            look.is_flat = look.is_flat && (is_alike(rgb, middle) || is_seam(&halves, x, y));
         }
     }
     look.is_coloured = rgbd->is_hue ? grey == all : 10 * grey < 9 * all;

@@ -15,11 +15,14 @@ typedef struct standing_run {
     double zoom;
     double x0, y0, x1, y1; /* the picture on the view, in pixels */
     int taps;
+    bool only_moves; /* zoom and crop leave the picture as it is */
 } standing_run;
 
 /* A place within [0, n) after mirroring at both ends. */
 static double mirrored(double at, int n)
 {
+    if (at >= 0 && at < n)
+        return at;
     const double t = fmod(fmod(at, 2.0 * n) + 2.0 * n, 2.0 * n);
     return t < n ? t : 2.0 * n - t;
 }
@@ -67,6 +70,19 @@ static void draw_pixel(const standing_run *run, int view, double x, double y, ui
         out[c] = (uint8_t)(sum[c] / (n * n) + 0.5);
 }
 
+/* Draws a row that only moves: the same two taps at each of its pixels. */
+static void move_row(const lf_views8 *v, int view, int y, double shift, uint8_t *out)
+{
+    const double whole = floor(-shift), weight = -shift - whole;
+    const uint8_t *row = lf_views8_row(v, view, y);
+    for (int x = 0; x < v->width; x++, out += 3) {
+        const uint8_t *first = row + 3 * (int)mirrored(x + whole + 0.5, v->width),
+                      *second = row + 3 * (int)mirrored(x + whole + 1.5, v->width);
+        for (int c = 0; c < 3; c++)
+            out[c] = (uint8_t)((1 - weight) * first[c] + weight * second[c] + 0.5);
+    }
+}
+
 static void draw_row(void *context, int item, int worker)
 {
     (void)worker;
@@ -75,6 +91,10 @@ static void draw_row(void *context, int item, int worker)
     const int view = item / v->height, y = item % v->height;
     const double t = v->n_views > 1 ? 2.0 * view / (v->n_views - 1) - 1 : 0;
     uint8_t *out = run->out + (size_t)item * (size_t)v->width * 3;
+    if (run->only_moves) {
+        move_row(v, view, y, t * run->focus, out);
+        return;
+    }
     for (int x = 0; x < v->width; x++, out += 3)
         if (x + 0.5 < run->x0 || x + 0.5 >= run->x1 || y + 0.5 < run->y0 || y + 0.5 >= run->y1)
             memset(out, 0, 3);
@@ -95,6 +115,7 @@ void lf_standing_views8(const lf_standing *standing, const lf_views8 *views, uin
                         .taps = (int)fmin(ceil(1 / zoom), MOST_TAPS)};
     const int n = views->n_views * views->height;
     run.out = out;
+    run.only_moves = zoom == 1 && standing->crop_x == 0 && standing->crop_y == 0;
     run.x1 = run.x0 + width;
     run.y1 = run.y0 + height;
     const bool done = pool && lf_pool_run(pool, n, draw_row, &run, NULL) == LF_OK;

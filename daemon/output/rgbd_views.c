@@ -27,6 +27,20 @@ lf_status lf_rgbd_draw(const lf_rgbd_file *file, const char *name, const lf_opti
     return status;
 }
 
+lf_status lf_rgbd_stand(const lf_options *options, const char *name, lf_quilt_file *quilt,
+                        lf_error *err)
+{
+    lf_pool *pool = NULL;
+    if (lf_standing_is_plain(&options->standing))
+        return LF_OK;
+    lf_status status = lf_pool_create(options->threads, &pool);
+    if (status != LF_OK)
+        return lf_error_set(err, status, name, "cannot start the worker threads");
+    status = lf_quilt_stand(&options->standing, name, quilt, pool, err);
+    lf_pool_destroy(pool);
+    return status;
+}
+
 /* Lenses across the picture. */
 static double lenses_of(const lf_rgbd_file *file, const lf_print *print)
 {

@@ -14,6 +14,9 @@ LF_NODISCARD lf_status lf_rgbd_layout(const lf_options *options, double aspect,
 LF_NODISCARD lf_status lf_rgbd_draw(const lf_rgbd_file *file, const char *name,
                                     const lf_options *options, const lf_layout *layout,
                                     lf_quilt_file *out, lf_error *err);
+/* lf_quilt_stand with threads of its own. */
+LF_NODISCARD lf_status lf_rgbd_stand(const lf_options *options, const char *name,
+                                     lf_quilt_file *quilt, lf_error *err);
 /* The layout for a print, which must have its number of views: the picture's shape, and no more
  * pixels than the print shows. print: checked. */
 lf_layout lf_rgbd_print_layout(const lf_rgbd_file *file, const lf_print *print);

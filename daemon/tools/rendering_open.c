@@ -15,6 +15,7 @@
 #include "daemon/output/content.h"
 #include "daemon/output/fit.h"
 #include "daemon/output/hld.h"
+#include "daemon/output/rgbd_views.h"
 #include "daemon/tools/rendering.h"
 
 /* Open files in addition to the files of an output. */
@@ -128,7 +129,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return status;
     if (a->kind->needs_panel)
         lf_photo_cut(&photo, &r->quilt);
-    status = lf_quilt_stand(&o->standing, a->scene, &r->quilt, NULL, err);
+    status = lf_rgbd_stand(o, a->scene, &r->quilt, err);
     if (status != LF_OK)
         return status;
     lf_log_notes(&r->quilt.notes, a->scene);

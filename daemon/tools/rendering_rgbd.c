@@ -31,7 +31,7 @@ static lf_status lay_out(lf_rendering *r, lf_rgbd_file *file, lf_layout *out, lf
         out->view_height = file->height;
     }
     if (a->kind == &lf_output_wiggle)
-        file->rgbd.disparity *= LF_WIGGLE_CONE;
+        lf_rgbd_narrow(&file->rgbd, LF_WIGGLE_CONE);
     return status;
 }
 

@@ -1,6 +1,8 @@
 /* Pictures as PNG files. */
 #include "tests/base/pictures.h"
 
+#include <fcntl.h>
+
 #include "base/alloc.h"
 
 static bool holds(const char *path, const char *word)
@@ -39,6 +41,37 @@ static void a_png_says_srgb_and_carries_its_texts(void **state)
     assert_true(holds(path, "iTXtTitle"));
     assert_true(holds(path, "W\xc3\xb6lkchen"));
     assert_false(holds(path, "gAMA"));
+    lf_image8_finish(&image);
+}
+
+/* Without the camera's place or its target, the distance of the glass is unknown. */
+static void a_picture_with_depth_needs_both_ends_of_its_view(void **state)
+{
+    const char *path = lf_test_path(*state, "depth.png");
+    const lf_attribute all[] = {{"quiltd.near", "2"},         {"quiltd.far", "inf"},
+                                {"quiltd.fov_y", "20"},       {"quiltd.aspect", "0.75"},
+                                {"quiltd.cone", "35"},        {"quiltd.views", "9"},
+                                {"quiltd.width", "3"},        {"quiltd.height", "2"},
+                                {"quiltd.target", "[0,0,1]"}, {"quiltd.position", "[0,3,5]"}};
+    lf_image8 image = lf_picture_noise(6, 2);
+    for (int left_out = 7; left_out <= 10; left_out++) {
+        lf_attribute some[10];
+        int n = 0;
+        for (int i = 0; i < 10; i++)
+            if (i != left_out)
+                some[n++] = all[i];
+        lf_picture_save_png(path, &image, 1, some, n);
+        const int fd = open(path, O_RDONLY | O_CLOEXEC);
+        lf_image8 back;
+        lf_image_metadata meta;
+        lf_error err;
+        lf_assert_ok(lf_image8_read_metadata(fd, path, &back, &meta, &err), &err);
+        lf_assert_close(meta.depth.distance, left_out == 8 || left_out == 9 ? 0 : 5, 1e-12, 0);
+        lf_assert_close(meta.depth.width, left_out == 8 || left_out == 9 ? 0 : 3, 0, 0);
+        lf_assert_close(meta.depth.height, left_out >= 10 ? 2 : 0, 0, 0);
+        lf_image8_finish(&back);
+        close(fd);
+    }
     lf_image8_finish(&image);
 }
 
@@ -99,6 +132,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_png_comes_back_as_it_was_at_every_level),
         cmocka_unit_test(a_png_says_srgb_and_carries_its_texts),
+        cmocka_unit_test(a_picture_with_depth_needs_both_ends_of_its_view),
         cmocka_unit_test(every_kind_of_png_becomes_rgb),
         cmocka_unit_test(eight_bit_pictures_are_decoded_from_srgb),
     };
