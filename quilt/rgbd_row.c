@@ -142,7 +142,7 @@ static int pixel_at(const lf_rgbd_row *row, int s)
  * farther side, and hides what is farther by a step: not the pixels that it would repeat. */
 static void paint_gap(lf_rgbd_row *row, int j)
 {
-    if (j < 0 || j + 1 >= row->columns.n || row->code[j] < 0 || row->code[j + 1] < 0)
+    if (row->to[j] >= row->from[j + 1] || row->code[j] < 0 || row->code[j + 1] < 0)
         return;
     const float least = fminf(row->code[j], row->code[j + 1]) - (float)LF_RGBD_STEP;
     for (int s = row->to[j]; s < row->from[j + 1]; s++) {
@@ -162,12 +162,14 @@ static void paint_all(lf_rgbd_row *row, const lf_rgbd_move *move, int n)
         row->shown[s] = -1;
     if (move->gain <= 0)
         for (int j = 0; j < row->columns.n; j++) {
-            paint_gap(row, j - 1);
+            if (j > 0)
+                paint_gap(row, j - 1);
             paint(row, j);
         }
     else
         for (int j = row->columns.n - 1; j >= 0; j--) {
-            paint_gap(row, j);
+            if (j + 1 < row->columns.n)
+                paint_gap(row, j);
             paint(row, j);
         }
 }
@@ -259,30 +261,33 @@ static int end_of(const lf_rgbd_row *row, int from, int n)
     return s;
 }
 
-/* Beyond the sides of the picture, and where a mirrored front was left out. */
-static void fill_holes(lf_rgbd_row *row, int n)
+/* A hole is beyond the sides of the picture, or where a mirrored front was left out. */
+static void fill_hole(lf_rgbd_row *row, int from, int to, int n)
 {
-    for (int from = 0, to; from < n; from = to) {
-        to = row->shown[from] == -1 ? end_of(row, from, n) : from + 1;
-        if (row->shown[from] != -1)
-            continue;
-        const background b = background_of(row, from > 0 ? pixel_at(row, from - 1) : -1,
-                                           to < n ? pixel_at(row, to) : -1);
-        if (b.rim >= 0)
-            show_background(row, b, from, to, from, to);
-    }
+    const background b = background_of(row, from > 0 ? pixel_at(row, from - 1) : -1,
+                                       to < n ? pixel_at(row, to) : -1);
+    if (b.rim >= 0)
+        show_background(row, b, from, to, from, to);
 }
 
-static void fill_gaps(lf_rgbd_row *row, int n)
+static void fill_gap(lf_rgbd_row *row, int from, int to)
 {
-    for (int from = 0, to; from < n; from = to) {
-        const int mark = row->shown[from], j = -2 - mark;
-        to = mark < -1 ? end_of(row, from, n) : from + 1;
-        if (mark >= -1)
+    const int mark = row->shown[from], j = -2 - mark, rim = rim_of(row, mark);
+    show_background(row, (background){rim, rim == j ? -1 : 1}, row->to[j], row->from[j + 1], from,
+                    to);
+}
+
+static void fill_background(lf_rgbd_row *row, int n)
+{
+    for (int s = 0; s < n; s++) {
+        if (row->shown[s] >= 0)
             continue;
-        const int rim = rim_of(row, mark);
-        show_background(row, (background){rim, rim == j ? -1 : 1}, row->to[j], row->from[j + 1],
-                        from, to);
+        const int to = end_of(row, s, n);
+        if (row->shown[s] == -1)
+            fill_hole(row, s, to, n);
+        else
+            fill_gap(row, s, to);
+        s = to - 1;
     }
 }
 
@@ -304,8 +309,7 @@ void lf_rgbd_row_draw(lf_rgbd_row *row, const lf_rgbd_light *light, const lf_rgb
     const int n = S * n_out;
     find_samples(row, move, n);
     paint_all(row, move, n);
-    fill_holes(row, n);
-    fill_gaps(row, n);
+    fill_background(row, n);
     for (int x = 0; x < n_out; x++, out += 3) {
         const int *shown = row->shown + S * x;
         const int first = shown[0];

@@ -48,16 +48,17 @@ static void a_png_says_srgb_and_carries_its_texts(void **state)
 static void a_picture_with_depth_needs_both_ends_of_its_view(void **state)
 {
     const char *path = lf_test_path(*state, "depth.png");
-    const lf_attribute all[] = {{"quiltd.near", "2"},         {"quiltd.far", "inf"},
-                                {"quiltd.fov_y", "20"},       {"quiltd.aspect", "0.75"},
-                                {"quiltd.cone", "35"},        {"quiltd.views", "9"},
-                                {"quiltd.width", "3"},        {"quiltd.height", "2"},
-                                {"quiltd.target", "[0,0,1]"}, {"quiltd.position", "[0,3,5]"}};
+    const lf_attribute all[] = {{"quiltd.near", "2"},           {"quiltd.far", "inf"},
+                                {"quiltd.fov_y", "20"},         {"quiltd.aspect", "0.75"},
+                                {"quiltd.cone", "35"},          {"quiltd.views", "9"},
+                                {"quiltd.width", "3"},          {"quiltd.height", "2"},
+                                {"quiltd.target", "[0,0,1]"},   {"quiltd.position", "[0,3,5]"},
+                                {"quiltd.placement", "centred"}};
     lf_image8 image = lf_picture_noise(6, 2);
-    for (int left_out = 7; left_out <= 10; left_out++) {
-        lf_attribute some[10];
+    for (int left_out = 7; left_out <= 9; left_out++) {
+        lf_attribute some[11];
         int n = 0;
-        for (int i = 0; i < 10; i++)
+        for (int i = 0; i < 11; i++)
             if (i != left_out)
                 some[n++] = all[i];
         lf_picture_save_png(path, &image, 1, some, n);
@@ -66,9 +67,9 @@ static void a_picture_with_depth_needs_both_ends_of_its_view(void **state)
         lf_image_metadata meta;
         lf_error err;
         lf_assert_ok(lf_image8_read_metadata(fd, path, &back, &meta, &err), &err);
-        lf_assert_close(meta.depth.distance, left_out == 8 || left_out == 9 ? 0 : 5, 1e-12, 0);
-        lf_assert_close(meta.depth.width, left_out == 8 || left_out == 9 ? 0 : 3, 0, 0);
-        lf_assert_close(meta.depth.height, left_out >= 10 ? 2 : 0, 0, 0);
+        lf_assert_close(meta.depth.distance, left_out == 7 ? 5 : 0, 1e-12, 0);
+        lf_assert_close(meta.depth.width, left_out == 7 ? 3 : 0, 0, 0);
+        lf_assert_close(meta.depth.height, 0, 0, 0);
         lf_image8_finish(&back);
         close(fd);
     }

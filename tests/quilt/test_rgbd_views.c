@@ -212,6 +212,25 @@ static void the_sides_go_on_without_fronts(void **state)
     }
 }
 
+/* A front at the side that stands in the glass meets the hole that its mirror image left: the
+ * ground fills it. */
+static void a_hole_at_a_side_shows_no_front(void **state)
+{
+    (void)state;
+    const lf_rgbd rgbd = rgbd_of(24.0 / WIDTH, 1);
+    number_columns();
+    for (int x = 0; x < WIDTH; x++)
+        f.code[x] = x >= 2 && x < 8 ? 1 : 0;
+    draw(&rgbd);
+    for (int x = 0; x < WIDTH; x++) {
+        const int column = f.views[VIEWS - 1][1][x][0];
+        if (x >= 1 && x <= 8)
+            assert_int_equal(column, x);
+        else
+            assert_true(column < 1 || column > 8);
+    }
+}
+
 /* ---------------------------------------------------------------------------------- surfaces -- */
 
 static double texture_at(double column)
@@ -588,6 +607,7 @@ int main(void)
         cmocka_unit_test(focus_moves_all_depths_alike),
         cmocka_unit_test(a_hole_is_as_wide_as_its_step_moves_apart),
         cmocka_unit_test(the_sides_go_on_without_fronts),
+        cmocka_unit_test(a_hole_at_a_side_shows_no_front),
         cmocka_unit_test(surfaces_are_where_their_depth_says),
         cmocka_unit_test(a_soft_edge_is_no_rubber),
         cmocka_unit_test(the_files_geometry_is_that_of_its_cameras),
