@@ -172,6 +172,8 @@ static void every_output_can_be_made(void **state)
     qr_succeed("%s -o %s/panel.png --panel %s", photo, d, f->calibration);
     qr_succeed("%s -o %s/print.tif --print 60@300 --print-size 30x20", photo, d);
     assert_true(qr_exists(d, "print.json"));
+    qr_succeed("%s -o %s/swing.gif --wiggle --view-size 30x20", photo, d);
+    assert_true(qr_exists(d, "swing.gif"));
     qr_succeed("%s --rgbd-in off -o %s/off.png --quilt 2x1", photo, d);
     assert_true(qr_exists(d, "off_qs2x1a1.5.png"));
     qr_succeed("%s -o %s/turned.png --views 2 --photo-rotate 90 --view-size 20x30", photo, d);
@@ -190,6 +192,7 @@ static const struct {
     {2, "%P -o %D/x.png --spp 2", "--spp: cannot be combined"},
     {2, "%P -o %D/x.png --exposure 1", "--exposure: cannot be combined"},
     {2, "%P -o %D/x.tif --print 60@300 --print-size 30x20 --preset go", "--print: cannot"},
+    {2, "%P -o %D/x.tif --print 60@300 --print-size 30x20 --horizontal", "--horizontal: "},
     {2, "%Q -o %D/x.png --depthiness 2", "--depthiness: needs an image with depth"},
     {2, "%Q -o %D/x.png --depth-inversion on", "--depth-inversion: needs an image with depth"},
     {2, "%S -o %D/x.png --depth-inversion on", "--depth-inversion: needs --rgbd"},

@@ -131,14 +131,13 @@ static void focus_moves_all_depths_alike(void **state)
 }
 
 /* ------------------------------------------------------------------------------------- holes -- */
-* /
 
 /* Columns tell their number and whether they are a front. Codes are fifths, so that with this
  * disparity and plane every shift is a whole number of pixels. */
 #define WHOLE_DISPARITY (40.0 / WIDTH)
 #define WHOLE_PLANE 0.4
 
-    static void number_columns(void)
+static void number_columns(void)
 {
     for (int x = 0; x < WIDTH; x++) {
         f.colour[x][0] = (uint8_t)x;
