@@ -22,8 +22,8 @@ static void run_version(lf_bridge_call *call)
 }
 
 static const lf_bridge_endpoint endpoints[] = {
-    {.name = "bridge_version", .run = run_version, .alone = true},
-    {.name = "api_version", .run = run_version, .alone = true},
+    {.name = "bridge_version", .run = run_version, .alone = true, .at_once = true},
+    {.name = "api_version", .run = run_version, .alone = true, .at_once = true},
     {.name = "enter_orchestration", .run = lf_bridge_run_enter, .alone = true},
     {.name = "exit_orchestration", .run = lf_bridge_run_exit},
     {.name = "available_output_devices", .run = lf_bridge_run_devices, .alone = true},
@@ -114,11 +114,19 @@ json_t *lf_bridge_event(const char *token, json_t *event)
                         "Completion");
 }
 
+/* bridge.js takes each member of the payload of available_output_devices for a panel. */
 static json_t *make_failure(const char *endpoint, const char *token, const char *why)
 {
-    json_t *message = json_pack("{s:o}", "message", lf_bridge_text("message", why));
-    return make_message(endpoint, token, lf_bridge_value("payload", "VARIANT_MAP", message),
-                        "Failure");
+    const bool lists = strcmp(endpoint, "available_output_devices") == 0;
+    json_t *message = lf_bridge_text("message", why), *payload = json_object();
+    if (!lists)
+        json_object_set(payload, "message", message);
+    json_t *reply = make_message(endpoint, token,
+                                 lf_bridge_value("payload", "VARIANT_MAP", payload), "Failure");
+    if (lists)
+        json_object_set(reply, "message", message);
+    json_decref(message);
+    return reply;
 }
 
 const char *lf_bridge_param(const lf_bridge_call *call, const char *name)
@@ -215,22 +223,32 @@ void lf_bridge_pend(lf_bridge_call *call)
     end(call, make_message(call->endpoint->name, token_of(call), NULL, "Pending"));
 }
 
-/* The same words are logged once. */
-static void log_failure(lf_bridge *bridge, const char *endpoint, const char *why)
+void lf_bridge_log_failure(lf_bridge *bridge, const char *endpoint, const char *why)
 {
-    char text[sizeof bridge->last_failure];
+    char text[sizeof bridge->last_failure.text];
+    uint64_t now = 0;
+    (void)sd_event_now(bridge->config.event, CLOCK_MONOTONIC, &now);
     bridge->failures++;
     snprintf(text, sizeof text, "bridge: %s: %s", endpoint, why);
-    if (strcmp(text, bridge->last_failure) == 0)
+    const bool same = strcmp(text, bridge->last_failure.text) == 0;
+    if (same && now - bridge->last_failure.usec < LF_BRIDGE_QUIET_S * (uint64_t)1000000) {
+        bridge->last_failure.more++;
         return;
-    memcpy(bridge->last_failure, text, sizeof text);
-    lf_log(LF_LOG_WARNING, "%s", text);
+    }
+    if (bridge->last_failure.more > 0)
+        lf_log(LF_LOG_WARNING, "%s (%d more times)", bridge->last_failure.text,
+               bridge->last_failure.more);
+    if (!same || bridge->last_failure.more == 0)
+        lf_log(LF_LOG_WARNING, "%s", text);
+    memcpy(bridge->last_failure.text, text, sizeof text);
+    bridge->last_failure.usec = now;
+    bridge->last_failure.more = 0;
 }
 
 json_t *lf_bridge_failure(lf_bridge *bridge, const char *endpoint, const char *why)
 {
     bridge->requests++;
-    log_failure(bridge, endpoint, why);
+    lf_bridge_log_failure(bridge, endpoint, why);
     return make_failure(endpoint, "", why);
 }
 
@@ -243,7 +261,7 @@ void lf_bridge_fail(lf_bridge_call *call, const char *fmt, ...)
     vsnprintf(text, sizeof text, fmt, arguments);
     va_end(arguments);
     (void)lf_error_set(&said, LF_E_STATE, "", "%s", text); /* escaped */
-    log_failure(call->bridge, call->endpoint->name, said.what);
+    lf_bridge_log_failure(call->bridge, call->endpoint->name, said.what);
     end(call, make_failure(call->endpoint->name, token_of(call), said.what));
 }
 
@@ -280,8 +298,12 @@ lf_status lf_bridge_begin(lf_bridge *bridge, const char *endpoint, json_t *body,
     bridge->requests++;
     while (*at)
         at = &(*at)->next;
-    *at = call;
-    run_next(bridge);
+    if (call->endpoint->at_once || !call->endpoint->run) {
+        run(call);
+    } else {
+        *at = call;
+        run_next(bridge);
+    }
     call->beginning = false;
     *out = call;
     return LF_OK;

@@ -163,6 +163,20 @@ void lf_bridge_run_insert(lf_bridge_call *call)
     json_decref(nothing);
 }
 
+/* quiltd has the changed entries. It shows the current one again if that one is another now. */
+static void go_on_shown(lf_bridge_call *call, const json_t *result)
+{
+    const bool playing = json_is_true(json_object_get(result, "playing")),
+               again = call->shows_again && call->index == call->current;
+    lf_bridge_show_take(call, result);
+    if (call->endpoint->shows && !playing)
+        lf_bridge_fail(call, "the slideshow has stopped; call transport_control_play first");
+    else if (playing && again)
+        lf_bridge_show_await(call, result);
+    else
+        lf_bridge_complete(call, NULL);
+}
+
 static void on_changed(lf_bridge_call *call, const json_t *result, const char *why)
 {
     lf_error err = {0};
@@ -171,6 +185,8 @@ static void on_changed(lf_bridge_call *call, const json_t *result, const char *w
     else if (lf_bridge_list_change(call->list, call->index, json_incref(call->said),
                                    json_incref(call->entry), &err) != LF_OK)
         lf_bridge_fail(call, "%s", err.what);
+    else if (lf_bridge_is_shown(call))
+        go_on_shown(call, result);
     else
         lf_bridge_complete(call, NULL);
 }
@@ -193,6 +209,9 @@ static void change(lf_bridge_call *call)
     }
     json_t *changes = lf_bridge_entry_changes(call->entry, before);
     const bool same_file = !json_object_get(changes, "file");
+    call->shows_again = json_object_size(changes) > 0;
+    call->current = call->bridge->shown.index;
+    call->scenes = call->bridge->scenes;
     if (lf_bridge_is_shown(call) && same_file) {
         json_object_set_new(changes, "index", json_integer(call->index));
         lf_bridge_ask(call, "playlist.change", json_incref(changes), on_changed);
@@ -219,6 +238,6 @@ void lf_bridge_run_update_current(lf_bridge_call *call)
     call->index = call->bridge->shown.index;
     if (!lf_bridge_is_shown(call))
         lf_bridge_fail(call, "the playlist \"%s\" is not played", lf_bridge_param(call, "name"));
-    else
+    else if (lf_bridge_show_begin(call))
         change(call);
 }
