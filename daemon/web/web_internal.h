@@ -55,7 +55,7 @@ typedef struct lf_entrance {
     lf_guard guard;
     lf_web_sockets sockets;
     sd_event_source *accept[LF_WEB_MAX_LISTENERS];
-    int n_seats;
+    int n_seats, n_connections;
 } lf_entrance;
 
 struct lf_web {
@@ -64,6 +64,7 @@ struct lf_web {
     uint64_t upload_limit;
     lf_entrance doors[LF_DOORS];
     lf_origins allowed;
+    lf_strangers strangers;
     lf_driver *driver;               /* NULL: none */
     const lf_panel_only *panel_only; /* NULL: off */
     char url[LF_WEB_URL_SIZE];

@@ -402,9 +402,10 @@ static void bodies_are_objects_of_64_kibibytes(void **state)
         assert_int_equal(lf_caller_status(lf_caller_rest(fd)), more ? 413 : 200);
         free(body);
     }
-    assert_int_equal(
-        lf_caller_status(put_raw(g, "bridge_version", "{}", "Origin: https://evil.test\r\n")), 403);
-    const char *answer = put_raw(g, "bridge_version", "{}", "Origin: https://allowed.test\r\n");
+    const char *answer = put_raw(g, "bridge_version", "{}", "Origin: https://evil.test\r\n");
+    assert_int_equal(lf_caller_status(answer), 403);
+    assert_non_null(strstr(answer, "--allow-origin https://evil.test"));
+    answer = put_raw(g, "bridge_version", "{}", "Origin: https://allowed.test\r\n");
     assert_non_null(strstr(answer, "Access-Control-Allow-Origin: https://allowed.test\r\n"));
 }
 
