@@ -160,6 +160,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
                                              a->upload_mib < 1 || a->upload_mib > MAX_UPLOAD_MIB))
         return lf_error_set(err, LF_E_ARG, "--upload-limit", "expects 1 to %d MiB, got \"%s\"",
                             MAX_UPLOAD_MIB, text);
+    else if (code == OPTION_NNG && text && text[0] == '\0')
+        return lf_error_set(err, LF_E_ARG, "--nng", "expects a path, or no \"=\" at all");
     else if (code == OPTION_NNG)
         a->nng = text ? text : LF_NNG_PATH;
     else if (code == OPTION_PANEL_ONLY)

@@ -42,6 +42,8 @@ static lf_status address_of(const char *path, const char *option, struct sockadd
                             lf_error *err)
 {
     *out = (struct sockaddr_un){.sun_family = AF_UNIX};
+    if (path[0] == '\0') /* Linux: a name that no file's rights protect */
+        return lf_error_set(err, LF_E_ARG, option, "expects the path of a socket, got none");
     if (strlen(path) >= sizeof out->sun_path)
         return lf_error_set(err, LF_E_ARG, path,
                             "the socket path is longer than %zu bytes; use a shorter one (%s)",
