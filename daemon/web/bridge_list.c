@@ -49,13 +49,14 @@ void lf_bridge_run_instance(lf_bridge_call *call)
     const json_t *given = json_object_get(call->body, "loop");
     double loop = 1;
     lf_error err = {0};
+    char text[sizeof err + 32];
     if (given && !lf_bridge_number(given, &loop)) {
         lf_bridge_fail(call, "loop: expects true or false");
         return;
     }
     if (lf_orchestration_make(bridge->lists, call->orchestration, lf_bridge_param(call, "name"),
                               loop != 0, played(bridge), &call->list, &err) != LF_OK) {
-        lf_bridge_fail(call, "%s", err.what);
+        lf_bridge_fail(call, "%s", lf_error_format(&err, text, sizeof text));
         return;
     }
     if (lf_bridge_is_shown(call))
@@ -185,10 +186,10 @@ static void on_changed(lf_bridge_call *call, const json_t *result, const char *w
     else if (lf_bridge_list_change(call->list, call->index, json_incref(call->said),
                                    json_incref(call->entry), &err) != LF_OK)
         lf_bridge_fail(call, "%s", err.what);
-    else if (lf_bridge_is_shown(call))
-        go_on_shown(call, result);
-    else
+    else if (!lf_bridge_is_shown(call))
         lf_bridge_complete(call, NULL);
+    else
+        go_on_shown(call, result);
 }
 
 /* The entry with this index, as the request wants it. */

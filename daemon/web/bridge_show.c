@@ -243,7 +243,10 @@ void lf_bridge_run_play(lf_bridge_call *call)
     if (given && (!lf_bridge_whole(given, &head) || (head != -1 && head != 0)))
         lf_bridge_fail(call, "head_index: expects 0, or -1 for any: quiltd has one panel");
     else if (lf_bridge_list_length(call->list) == 0)
-        lf_bridge_fail(call, "the playlist \"%s\" has no entries", call->list->name);
+        lf_bridge_fail(
+            call,
+            "the playlist \"%s\" has no entries: none was inserted, or each insert has failed",
+            call->list->name);
     else
         lf_bridge_look(call, on_looked);
 }

@@ -178,8 +178,8 @@ static void begin_command(lf_driver_client *client)
     client->command = lf_command_find(client->message, &client->params);
     if (!client->command)
         lf_driver_fail(client, LF_DRIVER_BAD_COMMAND,
-                       "there is no such command; quiltweb knows init, info, show, cache, check, "
-                       "delete, wipe and hide",
+                       "expects one command of init, info, show, cache, check, delete, wipe and "
+                       "hide",
                        NULL);
     else if (client->command->shows && lf_panel_only_is_on(client->driver->panel_only))
         lf_driver_fail(client, LF_DRIVER_NOT_ALLOWED, LF_PANEL_ONLY_WORDS, NULL);

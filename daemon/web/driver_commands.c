@@ -104,6 +104,11 @@ static json_t *read_settings(lf_driver_client *client, const json_t *settings, c
         fail_key(client, "vtotal", "at most vx times vy views");
         return NULL;
     }
+    if (aspect && !json_is_null(aspect) &&
+        (!json_is_number(aspect) || !(json_number_value(aspect) >= 0))) {
+        fail_key(client, "aspect", "a number above 0");
+        return NULL;
+    }
     json_t *params = json_pack("{s:i, s:i, s:i}", "columns", columns, "rows", rows, "views", views);
     if (params && json_number_value(aspect) > 0)
         json_object_set_new(params, "aspect", json_real(json_number_value(aspect)));
@@ -297,8 +302,9 @@ static void begin_cache(lf_driver_client *client)
 /* Not a failure: programs ask in order to know. */
 static void answer_found(lf_driver_client *client, bool found)
 {
-    lf_driver_answer(client,
-                     json_pack("{s:i}", "error", found ? LF_DRIVER_NONE : LF_DRIVER_NOT_CACHED));
+    lf_driver_answer(client, found ? json_object()
+                                   : json_pack("{s:i, s:s}", "error", LF_DRIVER_NOT_CACHED,
+                                               "message", "no image of this name is kept"));
 }
 
 static void begin_check(lf_driver_client *client)
@@ -331,12 +337,15 @@ static const lf_command commands[] = {
 const lf_command *lf_command_find(const json_t *message, const json_t **out_params)
 {
     const json_t *cmd = json_object_get(message, "cmd");
+    const lf_command *found = NULL;
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         const json_t *params = json_object_get(cmd, commands[i].name);
         if (!params)
             continue;
+        if (found)
+            return NULL; /* which of both is done would be a secret */
         *out_params = params;
-        return &commands[i];
+        found = &commands[i];
     }
-    return NULL;
+    return found;
 }

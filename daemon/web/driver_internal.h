@@ -79,7 +79,7 @@ LF_NODISCARD lf_status lf_driver_result(lf_driver_client *client, const json_t *
                                         int *out_code, lf_error *err);
 
 /* driver_commands.c */
-/* Finds the command of a message; NULL: it has none that is known. */
+/* Finds the command of a message; NULL: it has none that is known, or several. */
 const lf_command *lf_command_find(const json_t *message, const json_t **out_params);
 
 /* driver_cache.c */

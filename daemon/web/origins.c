@@ -30,7 +30,8 @@ static bool is_origin(const char *text)
         return false;
     const char *end = after(name, "[::1]");
     const char *port = end ? end : name + strspn(name, letters);
-    return port > name && is_port(port);
+    const char *left_out = after(text, "https://") ? ":443" : ":80"; /* by browsers */
+    return port > name && is_port(port) && strcmp(port, left_out) != 0;
 }
 
 lf_status lf_origins_add(lf_origins *origins, const char *text, lf_error *err)

@@ -266,6 +266,11 @@ static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], 
         status = open_door(page, true, PAGE_PORT, err);
     for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS && status == LF_OK; i++)
         status = open_door(&doors[i], a->wanted[i], a->ports[i], err);
+    int n_programs = 0;
+    for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS; i++)
+        n_programs += doors[i].n;
+    if (status == LF_OK && n_programs == 0 && (a->allowed.n > 0 || a->allowed.local))
+        lf_log(LF_LOG_WARNING, "--allow-origin: has no effect without --bridge or --webxr");
     for (int i = 0; i < LF_DOORS && status != LF_OK; i++)
         lf_web_sockets_close(&doors[i]);
     if (status != LF_OK && *out_nng >= 0)

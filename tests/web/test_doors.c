@@ -149,6 +149,8 @@ static void an_origin_is_a_name_and_a_port(void **state)
                                       "https://a.test:65536",
                                       "https://a.test:*",
                                       "https://localhost:*",
+                                      "https://a.test:443", /* browsers leave these out */
+                                      "http://a.test:80",
                                       "file://a",
                                       "http://[::1]x"};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {

@@ -388,6 +388,11 @@ static void check_name(const char *path, lf_status expected)
         fail_msg("%d, expected %d: %s", status, expected, err.what);
     if (expected != LF_OK)
         assert_true(strstr(err.what, "--nng=PATH") || strstr(err.where, "--nng=PATH"));
+    if (expected == LF_E_BUSY || expected == LF_E_EXISTS) {
+        char lock[128];
+        snprintf(lock, sizeof lock, "%s.lock", path);
+        assert_int_not_equal(access(lock, F_OK), 0); /* in /tmp it would keep out others */
+    }
     if (fd >= 0)
         close(fd);
     lf_unlisten(&listener);
