@@ -223,26 +223,48 @@ void lf_bridge_pend(lf_bridge_call *call)
     end(call, make_message(call->endpoint->name, token_of(call), NULL, "Pending"));
 }
 
+static void be_quiet(const lf_bridge *bridge)
+{
+    sd_event_source_set_time_relative(bridge->last_failure.quiet,
+                                      LF_BRIDGE_QUIET_S * (uint64_t)1000000);
+    sd_event_source_set_enabled(bridge->last_failure.quiet, SD_EVENT_ONESHOT);
+}
+
+static void log_more(lf_bridge *bridge)
+{
+    const int more = bridge->last_failure.more;
+    if (more > 0)
+        lf_log(LF_LOG_WARNING, "%s (%d more time%s)", bridge->last_failure.text, more,
+               more > 1 ? "s" : "");
+    bridge->last_failure.more = 0;
+}
+
+static int on_quiet(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    lf_bridge *bridge = context;
+    if (bridge->last_failure.more > 0)
+        be_quiet(bridge);
+    else
+        bridge->last_failure.text[0] = '\0';
+    log_more(bridge);
+    return 0;
+}
+
 void lf_bridge_log_failure(lf_bridge *bridge, const char *endpoint, const char *why)
 {
     char text[sizeof bridge->last_failure.text];
-    uint64_t now = 0;
-    (void)sd_event_now(bridge->config.event, CLOCK_MONOTONIC, &now);
     bridge->failures++;
     snprintf(text, sizeof text, "bridge: %s: %s", endpoint, why);
-    const bool same = strcmp(text, bridge->last_failure.text) == 0;
-    if (same && now - bridge->last_failure.usec < LF_BRIDGE_QUIET_S * (uint64_t)1000000) {
+    if (strcmp(text, bridge->last_failure.text) == 0) {
         bridge->last_failure.more++;
         return;
     }
-    if (bridge->last_failure.more > 0)
-        lf_log(LF_LOG_WARNING, "%s (%d more times)", bridge->last_failure.text,
-               bridge->last_failure.more);
-    if (!same || bridge->last_failure.more == 0)
-        lf_log(LF_LOG_WARNING, "%s", text);
+    log_more(bridge);
+    lf_log(LF_LOG_WARNING, "%s", text);
     memcpy(bridge->last_failure.text, text, sizeof text);
-    bridge->last_failure.usec = now;
-    bridge->last_failure.more = 0;
+    be_quiet(bridge);
 }
 
 json_t *lf_bridge_failure(lf_bridge *bridge, const char *endpoint, const char *why)
@@ -383,7 +405,10 @@ lf_status lf_bridge_create(const lf_bridge_config *config, lf_bridge **out, lf_e
     if (status == LF_OK &&
         (sd_event_add_time_relative(config->event, &bridge->patience, CLOCK_MONOTONIC, 0, 0,
                                     lf_bridge_show_patience, bridge) < 0 ||
-         sd_event_source_set_enabled(bridge->patience, SD_EVENT_OFF) < 0))
+         sd_event_source_set_enabled(bridge->patience, SD_EVENT_OFF) < 0 ||
+         sd_event_add_time_relative(config->event, &bridge->last_failure.quiet, CLOCK_MONOTONIC, 0,
+                                    0, on_quiet, bridge) < 0 ||
+         sd_event_source_set_enabled(bridge->last_failure.quiet, SD_EVENT_OFF) < 0))
         status = lf_error_set(err, LF_E_NOMEM, "bridge", "out of memory");
     if (status == LF_OK)
         *out = bridge;
@@ -407,6 +432,7 @@ void lf_bridge_destroy(lf_bridge *bridge)
         free_call(call);
     }
     sd_event_source_disable_unref(bridge->patience);
+    sd_event_source_disable_unref(bridge->last_failure.quiet);
     json_decref(bridge->shown.files);
     json_decref(bridge->shown.tags);
     lf_bridge_lists_destroy(bridge->lists);

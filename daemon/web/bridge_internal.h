@@ -76,8 +76,8 @@ struct lf_bridge {
     uint64_t requests, failures;
     struct {
         char text[320];
-        uint64_t usec; /* when it was logged */
-        int more;      /* the same, which were not logged */
+        int more;               /* the same, which were not logged */
+        sd_event_source *quiet; /* on: they are not */
     } last_failure;
 };
 
@@ -85,8 +85,8 @@ struct lf_bridge {
 /* Asks quiltd; `then` follows. params: taken. */
 void lf_bridge_ask(lf_bridge_call *call, const char *method, json_t *params,
                    lf_bridge_then_fn then);
-/* Counts a failure, and logs it. The same words are logged again after LF_BRIDGE_QUIET_S, with the
- * number of those between. */
+/* Counts a failure, and logs it. Of the same words within LF_BRIDGE_QUIET_S the number is logged at
+ * its end. */
 void lf_bridge_log_failure(lf_bridge *bridge, const char *endpoint, const char *why);
 /* Both end the call. payload: taken; NULL: none. */
 void lf_bridge_complete(lf_bridge_call *call, json_t *payload);

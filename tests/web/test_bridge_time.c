@@ -6,6 +6,7 @@
 #include <jansson.h>
 #include <netinet/in.h>
 
+#include "base/log.h"
 #include "daemon/web/bridge.h"
 #include "daemon/web/calls.h"
 #include "daemon/web/listen.h"
@@ -223,6 +224,44 @@ static void a_change_takes_the_place_of_another(void **state)
     close_behind(&b);
 }
 
+static void fail_once(const behind *b)
+{
+    assert_non_null(strstr(receive(begin_put(b, "cancel_pending", "{}")), "\"Failure\""));
+}
+
+static void check_last_line(const char *end)
+{
+    static lf_log_line line;
+    assert_true(lf_log_line_at(lf_log_last(), &line));
+    const size_t n = strlen(line.text), n_end = strlen(end);
+    if (n < n_end || strcmp(line.text + n - n_end, end) != 0)
+        fail_msg("%s, expected %s", line.text, end);
+}
+
+/* Not once for all, and not once for each. */
+static void the_same_failure_is_logged_again(void **state)
+{
+    (void)state;
+    behind b;
+    open_behind(&b);
+    fail_once(&b);
+    const int64_t last = lf_log_last();
+    check_last_line("the storage of a panel");
+    for (int i = 0; i < 5; i++)
+        fail_once(&b);
+    assert_int_equal(lf_log_last(), last);
+    lf_clock_pass(event, LF_BRIDGE_QUIET_S);
+    check_last_line("the storage of a panel (5 more times)");
+    fail_once(&b);
+    assert_int_equal(lf_log_last(), last + 1);
+    close(begin_put(&b, "get_camera_parameters", "{}")); /* another one ends the count */
+    assert_int_equal(lf_log_last(), last + 3);
+    lf_clock_pass(event, LF_BRIDGE_QUIET_S);
+    close(begin_put(&b, "get_camera_parameters", "{}"));
+    assert_int_equal(lf_log_last(), last + 4);
+    close_behind(&b);
+}
+
 /* What needs no quiltd does not wait for one that hangs. */
 static void versions_are_told_at_once(void **state)
 {
@@ -394,6 +433,7 @@ int main(void)
         timed(a_stop_is_told_as_one),
         timed(a_change_takes_the_place_of_another),
         timed(versions_are_told_at_once),
+        timed(the_same_failure_is_logged_again),
         timed(without_quiltd_no_panel_is_told),
         timed(a_quiltd_that_hangs_is_given_up),
         timed(nobody_is_told_who_has_left),
