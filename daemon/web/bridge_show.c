@@ -3,7 +3,6 @@
 #include "daemon/web/bridge_internal.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "daemon/web/bridge_entry.h"
@@ -377,6 +376,7 @@ static void note_log(lf_bridge *bridge, const json_t *params)
 {
     static const char name[] = "playlist: ", start[] = "playlist: entry ",
                       middle[] = " is skipped: ";
+    char expected[64];
     const char *text = json_string_value(json_object_get(params, "text"));
     const char *why =
         text && strncmp(text, start, strlen(start)) == 0 ? strstr(text, middle) : NULL;
@@ -385,7 +385,10 @@ static void note_log(lf_bridge *bridge, const json_t *params)
     snprintf(bridge->reason, sizeof bridge->reason, "%s", why + strlen(middle));
     if (is_any_shown(bridge))
         lf_bridge_log_failure(bridge, "playlist", text + strlen(name));
-    if (wants(bridge->waiting, atoi(text + strlen(start))))
+    if (!bridge->waiting || !bridge->waiting->is_exact)
+        return;
+    snprintf(expected, sizeof expected, "%s%d%s", start, bridge->waiting->index, middle);
+    if (strncmp(text, expected, strlen(expected)) == 0)
         fail_waiting(bridge, bridge->reason);
 }
 

@@ -31,7 +31,7 @@
 #include "daemon/web/web.h"
 
 #define LF_WEB_MAX_STREAMS 4
-#define LF_BRIDGE_BODY ((size_t)65536) /* of a request of Bridge */
+#define LF_BRIDGE_BODY ((size_t)32768) /* of a request of Bridge */
 /* A request has so long, except where pace or patience of its own are set. */
 #define LF_WEB_DEADLINE_USEC ((uint64_t)10000000)
 /* A client of a download has so long for LF_PATIENCE_BYTES. Of a stream it has so long for what
