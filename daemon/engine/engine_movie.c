@@ -20,7 +20,7 @@ void engine_hold_movie(lf_engine *engine)
 {
     if (!engine->movie.player)
         return;
-    lf_player_pause(engine->movie.player, engine->movie.is_held || engine->wanted.controls.paused);
+    lf_player_pause(engine->movie.player, engine->movie.is_held);
     engine->news.movie = true;
 }
 

@@ -426,7 +426,6 @@ void lf_method_camera_fit(lf_call *call)
 static lf_status take_keys(const json_t *params, lf_engine_controls *controls, lf_options *options,
                            lf_error *err)
 {
-    const json_t *paused = json_object_get(params, "paused");
     options->estimator = controls->estimator;
     options->target_error = controls->target_error;
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
@@ -442,7 +441,6 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     controls->has_exposure = true;
     controls->denoise = options->denoise;
     controls->guides = options->guides;
-    controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
 }
 
@@ -466,6 +464,8 @@ void lf_method_render_set(lf_call *call)
                 !same_name(options.integrator, server->options.integrator);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
+    if (json_object_get(call->params, "paused"))
+        lf_server_pause(server, json_is_true(json_object_get(call->params, "paused")));
     /* Features, which a film without them lacks. */
     bool more = before.denoise == LF_DENOISE_OFF &&
                 (controls.denoise != before.denoise || (controls.guides && !before.guides));

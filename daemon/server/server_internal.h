@@ -335,6 +335,13 @@ LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
 
 /* ---------------------------------------------------------------------------- server_movie.c -- */
 
+/* Whether rendering is paused; of a video: whether it holds its frame. */
+bool lf_server_is_paused(const lf_server *server);
+
+/* Pauses rendering, or lets it go on. A video that is shown holds its frame instead, with the
+ * slideshow that it is an entry of; what is shown after it starts unpaused. */
+void lf_server_pause(lf_server *server, bool paused);
+
 /* Pauses the video of an entry with the playlist. Another content starts unpaused. */
 void lf_server_hold_movie(lf_server *server);
 /* The load of an entry has ended. */

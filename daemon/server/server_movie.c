@@ -9,6 +9,33 @@ void lf_server_hold_movie(lf_server *server)
     server->gallery.holds = paused;
 }
 
+static bool shows_movie(const lf_server *server)
+{
+    return server->content && server->content->player;
+}
+
+bool lf_server_is_paused(const lf_server *server)
+{
+    lf_movie_status now;
+    if (shows_movie(server) && lf_engine_get_movie(server->engine, &now))
+        return now.player.paused;
+    return lf_engine_get_controls(server->engine).paused;
+}
+
+void lf_server_pause(lf_server *server, bool paused)
+{
+    lf_engine_controls controls = lf_engine_get_controls(server->engine);
+    const bool movie = shows_movie(server);
+    if (movie && lf_playlist_now(server->gallery.playlist).playing)
+        lf_playlist_pause(server->gallery.playlist, paused);
+    else if (movie)
+        lf_engine_pause_movie(server->engine, paused);
+    if (controls.paused == paused || (movie && paused))
+        return;
+    controls.paused = paused;
+    lf_engine_set_controls(server->engine, &controls);
+}
+
 void lf_server_look_at_movie(lf_server *server)
 {
     lf_gallery *gallery = &server->gallery;
@@ -28,6 +55,9 @@ void lf_server_entry_loaded(lf_server *server, const lf_load *load)
 {
     const bool failed = load->status != LF_OK;
     if (!failed) {
+        lf_engine_controls controls = lf_engine_get_controls(server->engine);
+        controls.paused = false; /* an entry plays, whatever was paused before it */
+        lf_engine_set_controls(server->engine, &controls);
         server->gallery.holds = false;
         lf_server_hold_movie(server);
     }

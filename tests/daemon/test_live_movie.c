@@ -61,6 +61,20 @@ static json_int_t number_now(sender *s, const char *key)
     return value;
 }
 
+/* Loads a video and pauses it at its first frame. The keys are taken over. */
+static void load_held(sender *s, const char *name, json_t *keys)
+{
+    (void)json_object_set_new(keys, "file", json_string(file_in(s, name)));
+    for (int i = 0; i < LIVE_PATIENCE_S; i++) {
+        assert_code(s, "scene.load", json_incref(keys), NULL, 0, 0, "");
+        set_paused(s, true);
+        if (number_now(s, "frame") == 0)
+            break;
+    }
+    json_decref(keys);
+    assert_int_equal(number_now(s, "frame"), 0);
+}
+
 /* Until a number of status.video is at least this. */
 static void await_number(sender *s, const char *key, json_int_t least)
 {
@@ -104,8 +118,7 @@ static void the_panel_shows_the_frames_to_the_byte(void **state)
     sender s;
     begin_with(&s, NULL);
     make(&s, "v" NAMED ".mp4", 200, 20);
-    set_paused(&s, true);
-    load(&s, "v" NAMED ".mp4");
+    load_held(&s, "v" NAMED ".mp4", json_object());
     live_wait(&s.c, "converged");
     assert_panel(&s, 0);
     set_paused(&s, false);
@@ -225,8 +238,7 @@ static void a_bad_video_leaves_the_picture(void **state)
     begin_with(&s, NULL);
     make(&s, "v" NAMED ".mp4", 3, 10);
     make(&s, "plain.mp4", 3, 10);
-    set_paused(&s, true);
-    load(&s, "v" NAMED ".mp4");
+    load_held(&s, "v" NAMED ".mp4", json_object());
     lf_test_write(s.l.folder, "bad" NAMED ".mp4", "ffconcat version 1.0\nfile v" NAMED ".mp4\n");
     lf_test_write(s.l.folder, "text" NAMED ".webm", "no video at all");
     assert_code(&s, "scene.load", file_param(&s, "bad" NAMED ".mp4"), NULL, 0, -32002,
@@ -250,8 +262,12 @@ static void a_bad_video_leaves_the_picture(void **state)
 /* The views that are shown of a file, loaded with these keys, which are taken over. */
 static void get_views(sender *s, const char *name, json_t *keys, uint8_t *out, size_t n)
 {
-    (void)json_object_set_new(keys, "file", json_string(file_in(s, name)));
-    assert_code(s, "scene.load", keys, NULL, 0, 0, "");
+    if (lf_path_has_ending(name, ".mp4")) {
+        load_held(s, name, keys);
+    } else {
+        (void)json_object_set_new(keys, "file", json_string(file_in(s, name)));
+        assert_code(s, "scene.load", keys, NULL, 0, 0, "");
+    }
     live_wait(&s->c, "converged");
     get_frame(s, out, n);
 }
@@ -264,7 +280,6 @@ static void frames_stand_as_pictures_do(void **state)
     static uint8_t video[N], picture[N], plain[N];
     sender s;
     begin_with(&s, "none");
-    set_paused(&s, true);
     make(&s, "v" NAMED ".mp4", 3, 10);
     (void)movie_frame_png(s.l.folder, "p" NAMED ".png", 0);
     get_views(&s, "v" NAMED ".mp4", json_pack("{s:f, s:f}", "focus", 0.04, "zoom", 1.5), video, N);
@@ -287,7 +302,6 @@ static void a_video_with_depth_becomes_views(void **state)
     live_connect(&s.l, &s.c);
     enum { N = 3 * MOVIE_WIDTH * MOVIE_HEIGHT };
     static uint8_t video[N], picture[N], first[N];
-    set_paused(&s, true);
     make(&s, "v.mp4", 3, 10);
     (void)movie_frame_png(s.l.folder, "p.png", 0);
     get_views(&s, "p.png", json_pack("{s:s}", "rgbd_in", "right"), picture, N);
@@ -301,6 +315,45 @@ static void a_video_with_depth_becomes_views(void **state)
     } while (number_now(&s, "frame") == 0);
     get_frame(&s, video, N);
     assert_memory_not_equal(video, first, N);
+    end(&s);
+}
+
+/* It was once frozen at its first frame, and so was a slideshow. */
+static void a_video_plays_though_something_was_paused_before(void **state)
+{
+    (void)state;
+    sender s;
+    begin_with(&s, "none");
+    make(&s, "v" NAMED ".mp4", 200, 20);
+    set_paused(&s, true);
+    load(&s, "v" NAMED ".mp4");
+    await_number(&s, "frame", 2);
+    set_paused(&s, false); /* of rendering, too */
+    set_paused(&s, true);
+    json_t *status = live_call(&s.c, "status", NULL);
+    assert_true(json_is_true(json_object_get(json_object_get(status, "result"), "paused")));
+    json_decref(status);
+    (void)movie_frame_png(s.l.folder, "p" NAMED ".png", 0);
+    load(&s, "p" NAMED ".png");
+    status = live_call(&s.c, "status", NULL);
+    assert_true(json_is_false(json_object_get(json_object_get(status, "result"), "paused")));
+    json_decref(status);
+    load(&s, "v" NAMED ".mp4");
+    await_number(&s, "frame", 2);
+    /* the pause of an entry is the slideshow's */
+    assert_code(&s, "playlist.set",
+                json_pack("{s:[{s:s, s:i}]}", "entries", "file", file_in(&s, "v" NAMED ".mp4"),
+                          "seconds", 1000),
+                NULL, 0, 0, "");
+    assert_code(&s, "playlist.play", NULL, NULL, 0, 0, "");
+    await_number(&s, "frame", 2);
+    set_paused(&s, true);
+    lf_assert_close(live_number(&s.c, "playlist.get", NULL, "index"), 0, 0, 0);
+    json_t *list = live_call(&s.c, "playlist.get", NULL);
+    assert_true(json_is_true(json_object_get(json_object_get(list, "result"), "paused")));
+    json_decref(list);
+    assert_code(&s, "playlist.play", json_pack("{s:i}", "index", 0), NULL, 0, 0, "");
+    await_number(&s, "frame", 2);
     end(&s);
 }
 
@@ -446,8 +499,7 @@ static void quiltctl_tells_of_a_video(void **state)
     sender s;
     begin_with(&s, "none");
     make(&s, "v" NAMED ".mp4", 3, 10);
-    set_paused(&s, true);
-    load(&s, "v" NAMED ".mp4");
+    load_held(&s, "v" NAMED ".mp4", json_object());
     (void)await_rest(&s);
     assert_int_equal(live_run(&s.l, "quiltctl", "--socket", s.l.socket, "status", NULL), 0);
     assert_true(live_logged(&s.l, "  video      "));
@@ -476,6 +528,7 @@ int main(void)
         cmocka_unit_test(a_bad_video_leaves_the_picture),
         cmocka_unit_test(frames_stand_as_pictures_do),
         cmocka_unit_test(a_video_with_depth_becomes_views),
+        cmocka_unit_test(a_video_plays_though_something_was_paused_before),
         cmocka_unit_test(another_picture_ends_the_video),
         cmocka_unit_test(a_killed_ffmpeg_leaves_the_last_frame_and_a_line),
         cmocka_unit_test(a_stopped_ffmpeg_delays_nothing),
