@@ -317,7 +317,11 @@ static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
         status = json_object_get(call->params, "file")
                      ? find_file(call, load->sent.passed, &load->file, err)
                      : take_scene(call, load, err);
-    return status == LF_OK ? refuse_words(call, load, err) : status;
+    if (status == LF_OK)
+        status = refuse_words(call, load, err);
+    return status == LF_OK && json_object_get(call->params, "file")
+               ? lf_server_check_standing(call->params, load->file, &load->words, call->method, err)
+               : status;
 }
 
 void lf_method_scene_load(lf_call *call)

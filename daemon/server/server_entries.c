@@ -131,6 +131,8 @@ lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry
         return refuse_key("quilt", why.what, err);
     if (status == LF_OK && !quilt && is_plain(entry, words))
         words->columns = words->rows = 1;
+    if (status == LF_OK)
+        status = lf_server_check_standing(entry->keys, entry->file, words, "playlist", err);
     return status == LF_OK ? check_views(entry, words, err) : status;
 }
 
@@ -254,7 +256,8 @@ static void keep_changes(const lf_server *server, checking *c)
 static void take(lf_server *server, checking *c)
 {
     lf_gallery *gallery = &server->gallery;
-    if (c->folder && !c->deferred && !c->begins)
+    const char *before = gallery->folder.path;
+    if (c->folder && before && strcmp(c->folder, before) == 0)
         keep_changes(server, c);
     if (c->more)
         lf_log(LF_LOG_WARNING, "%s: the folder has too many files; the slideshow has the first %d",

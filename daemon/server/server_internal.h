@@ -335,6 +335,12 @@ LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
 
 /* ---------------------------------------------------------------------------- server_movie.c -- */
 
+/* Checks keys of a call or an entry that say how a finished picture stands, and are in words, by
+ * the name of its file. Tiles of 1x1 of a picture with depth are forgotten. LF_E_ARG: a key has no
+ * effect on this file, and where is said with it. */
+lf_status lf_server_check_standing(const json_t *keys, const char *file, lf_load_words *words,
+                                   const char *where, lf_error *err);
+
 /* Whether rendering is paused; of a video: whether it holds its frame. */
 bool lf_server_is_paused(const lf_server *server);
 

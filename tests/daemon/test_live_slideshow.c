@@ -357,6 +357,11 @@ static void the_option_plays_a_folder_and_a_hangup_reads_it_again(void **state)
     kill(h.l.pid, SIGHUP);
     wait_for_entries(&h, 6);
     assert_int_equal(index_now(&h), 1); /* "a.png" stays, as it was changed */
+    /* also if a client sets the same folder, for another crossfade */
+    assert_int_equal(live_code(&h.c, "playlist.set",
+                               json_pack("{s:s, s:f, s:f}", "folder", h.scene, "seconds", 80000.0,
+                                         "crossfade", 1.0)),
+                     0);
     now = list(&h);
     assert_true(json_object_get(json_array_get(json_object_get(now, "entries"), 1), "zoom"));
     assert_true(json_is_true(json_object_get(now, "playing")));
