@@ -75,6 +75,7 @@ typedef struct engine_movie {
     /* under lock */
     lf_player *player;  /* NULL: none is shown */
     bool is_held;       /* lf_engine_pause_movie */
+    bool is_coloured;   /* the depth of its first frame has colours */
     uint64_t told_lost; /* `lost`, for others */
     /* owned by the thread */
     engine_drawing next, drawing; /* of the content that is being committed; of the video */

@@ -141,6 +141,18 @@ void engine_take_movie(lf_engine *engine)
     engine->movie.is_fresh = false;
 }
 
+static void look_at_depth(lf_engine *engine)
+{
+    const lf_content *content = engine->content;
+    if (!content->is_rgbd)
+        return;
+    const lf_rgbd_picture picture = picture_of(content, &engine->movie.frame);
+    const bool is_coloured = lf_rgbd_look_at(&content->rgbd, &picture).is_coloured;
+    pthread_mutex_lock(&engine->lock);
+    engine->movie.is_coloured = is_coloured;
+    pthread_mutex_unlock(&engine->lock);
+}
+
 void engine_begin_movie(lf_engine *engine)
 {
     lf_player *player = engine->content->player;
@@ -155,6 +167,8 @@ void engine_begin_movie(lf_engine *engine)
         lf_log(LF_LOG_ERROR, "%s: out of memory for a thread; only the first frame is shown",
                engine->content->file);
     engine->movie.is_fresh = take_frame(engine, player);
+    if (engine->movie.is_fresh)
+        look_at_depth(engine);
     engine->movie.is_moving = true;
 }
 
@@ -195,6 +209,7 @@ bool lf_engine_get_movie(lf_engine *engine, lf_movie_status *out)
         lf_player_get_status(engine->movie.player, &out->player);
         const lf_mailbox_counts counts = lf_mailbox_counted(engine->mailbox);
         out->shown = counts.taken;
+        out->is_coloured = engine->movie.is_coloured;
         out->dropped = out->player.dropped + counts.replaced + engine->movie.told_lost;
     }
     pthread_mutex_unlock(&engine->lock);

@@ -213,8 +213,8 @@ static void skip(lf_playlist *playlist)
         next = neighbour(playlist, 1);
     }
     if (++playlist->n_failed >= playlist->n) {
-        lf_log(LF_LOG_WARNING, "playlist: none of its %d entries can be shown; it stops",
-               playlist->n);
+        lf_log(LF_LOG_WARNING, "playlist: none of its %d %s can be shown; it stops", playlist->n,
+               playlist->n == 1 ? "entry" : "entries");
         halt(playlist);
     } else if (next < 0) {
         end(playlist);
@@ -367,7 +367,8 @@ void lf_playlist_play(lf_playlist *playlist, int index)
     if (index < 0)
         index = playlist->ended ? 0 : playlist->index;
     if (!playlist->playing) {
-        lf_log(LF_LOG_INFO, "playlist: plays %d entries", playlist->n);
+        lf_log(LF_LOG_INFO, "playlist: plays %d %s", playlist->n,
+               playlist->n == 1 ? "entry" : "entries");
         playlist->on_panel = -1; /* anything may have been shown meanwhile */
     }
     playlist->playing = true;

@@ -253,6 +253,24 @@ static void keep_changes(const lf_server *server, checking *c)
     }
 }
 
+/* Once for a list: its first video that has no tiles in its name. */
+static void warn_of_plain(const lf_server *server, const checking *c)
+{
+    for (int i = 0; i < c->n; i++) {
+        const lf_playlist_entry *entry = &c->entries[i];
+        lf_load_words words;
+        if (lf_movie_ending(entry->file) && !json_object_get(entry->keys, "quilt") &&
+            lf_server_entry_words(server, entry, &words, NULL) == LF_OK &&
+            is_plain(entry, &words)) {
+            lf_log(LF_LOG_WARNING,
+                   "%s: is shown as one view, because its name has no tiles; quilt=8x6 of "
+                   "playlist.change says which",
+                   entry->file);
+            return;
+        }
+    }
+}
+
 static void take(lf_server *server, checking *c)
 {
     lf_gallery *gallery = &server->gallery;
@@ -262,6 +280,7 @@ static void take(lf_server *server, checking *c)
     if (c->more)
         lf_log(LF_LOG_WARNING, "%s: the folder has too many files; the slideshow has the first %d",
                c->folder, c->n);
+    warn_of_plain(server, c);
     lf_free(gallery->folder.path);
     gallery->folder = (lf_played_folder){c->folder, c->more};
     c->folder = NULL;

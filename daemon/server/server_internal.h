@@ -96,8 +96,10 @@ typedef struct lf_gallery {
     lf_errands *checks; /* entries of playlist.set */
     int64_t listed;     /* number of the playlist's last load */
     bool holds;         /* the video that is shown is paused with the playlist */
+    unsigned warned;    /* its warnings that are in the log, by their bits */
     /* the video's rounds when it was last looked at, and its generation */
     int64_t rounds, round_of;
+    int64_t warned_of; /* generation of the video that `warned` is about */
 } lf_gallery;
 
 /* The panel that a client's programs use: server_loan.c. */
@@ -340,6 +342,13 @@ LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
  * effect on this file, and where is said with it. */
 lf_status lf_server_check_standing(const json_t *keys, const char *file, lf_load_words *words,
                                    const char *where, lf_error *err);
+
+/* The warnings about the video that is shown, from 0 on, as lf_server_warnings_json has them; false:
+ * there is none of this number now, but one with a greater number may be. */
+enum { LF_MOVIE_WARNINGS = 2, LF_MOVIE_WARNING = PATH_MAX + 200 };
+bool lf_server_movie_warning(const lf_server *server, int index, char out[LF_MOVIE_WARNING]);
+/* Logs each of them once for a video. */
+void lf_server_warn_of_movie(lf_server *server);
 
 /* Whether rendering is paused; of a video: whether it holds its frame. */
 bool lf_server_is_paused(const lf_server *server);

@@ -1,5 +1,11 @@
 /* The video that is shown, and the slideshow that it may be an entry of. */
+#include <stdio.h>
+
+#include "base/log.h"
 #include "daemon/server/server_internal.h"
+
+/* Fewer dropped frames are no sign of a video that is too heavy. */
+#define MANY_DROPPED 50
 
 void lf_server_hold_movie(lf_server *server)
 {
@@ -64,4 +70,38 @@ void lf_server_entry_loaded(lf_server *server, const lf_load *load)
     lf_playlist_loaded(server->gallery.playlist, load->generation,
                        !failed && server->content->player, failed ? &load->err : NULL);
     lf_server_look_at_movie(server); /* it may have ended already */
+}
+
+bool lf_server_movie_warning(const lf_server *server, int index, char out[LF_MOVIE_WARNING])
+{
+    lf_movie_status now;
+    if (!shows_movie(server) || !lf_engine_get_movie(server->engine, &now))
+        return false;
+    const char *file = server->content->file;
+    if (index == 0 && now.is_coloured)
+        snprintf(out, LF_MOVIE_WARNING, "%s: the depth half has colours; it may not be depth",
+                 file);
+    else if (index == 1 && now.dropped >= MANY_DROPPED && now.dropped > now.shown)
+        snprintf(out, LF_MOVIE_WARNING,
+                 "%s: most frames are dropped, because they come too fast; use a smaller video or "
+                 "fewer frames a second",
+                 file);
+    else
+        return false;
+    return true;
+}
+
+void lf_server_warn_of_movie(lf_server *server)
+{
+    lf_gallery *gallery = &server->gallery;
+    char text[LF_MOVIE_WARNING];
+    if (gallery->warned_of != server->generation)
+        gallery->warned = 0;
+    gallery->warned_of = server->generation;
+    for (int i = 0; i < LF_MOVIE_WARNINGS; i++) {
+        if ((gallery->warned >> i & 1) != 0 || !lf_server_movie_warning(server, i, text))
+            continue;
+        lf_log(LF_LOG_WARNING, "%s", text);
+        gallery->warned |= 1u << i;
+    }
 }

@@ -216,6 +216,17 @@ static void quiltctl_sends_absolute_names(void **state)
                  NULL);
     assert_int_equal(chdir(before), 0);
     assert_int_equal(code, 0);
+    /* one line, not the whole list */
+    assert_true(live_logged(&h.l, "entry 1 of 2, a.png, stopped"));
+    assert_false(live_logged(&h.l, "entries.0"));
+    assert_int_not_equal(live_run(&h.l, "quiltctl", "--socket", h.l.socket, "playlist.set",
+                                  "folder=/nowhere/at/all", NULL),
+                         0);
+    assert_true(live_logged(&h.l, "/nowhere/at/all: No such file or directory"));
+    assert_int_not_equal(live_run(&h.l, "quiltctl", "--socket", h.l.socket, "scene.load",
+                                  "file=/nowhere/missing.glb", NULL),
+                         0);
+    assert_true(live_logged(&h.l, "/nowhere/missing.glb: No such file or directory"));
     json_t *answer = live_call(&h.c, "playlist.get", NULL);
     json_t *entries = json_object_get(json_object_get(answer, "result"), "entries");
     assert_int_equal(json_array_size(entries), 2);
