@@ -201,6 +201,23 @@ static void a_long_list_of_long_names_is_refused(void **state)
     end(&h);
 }
 
+/* Its tiles may be meant; a name that has them is believed. */
+static void a_video_that_is_shown_as_one_view_is_told(void **state)
+{
+    (void)state;
+    static const char words[] = "turn.mp4: is shown as one view, because its name has no tiles";
+    hall h;
+    begin(&h);
+    lf_test_write(h.scene, "turn.mp4", "x");
+    lf_test_write(h.scene, "turn_qs2x2.mp4", "x");
+    set(&h, "a.png turn_qs2x2.mp4", LONG, true);
+    assert_false(live_logged(&h.l, "is shown as one view"));
+    set(&h, "a.png turn_qs2x2.mp4 turn.mp4", LONG, true);
+    while (!live_logged(&h.l, words))
+        live_nap(20);
+    end(&h);
+}
+
 static void quiltctl_sends_absolute_names(void **state)
 {
     (void)state;
@@ -247,6 +264,7 @@ int main(void)
         cmocka_unit_test(next_and_previous_step_while_it_is_stopped),
         cmocka_unit_test(entries_are_checked_and_a_wrong_one_changes_nothing),
         cmocka_unit_test(a_long_list_of_long_names_is_refused),
+        cmocka_unit_test(a_video_that_is_shown_as_one_view_is_told),
         cmocka_unit_test(quiltctl_sends_absolute_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

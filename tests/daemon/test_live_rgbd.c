@@ -211,7 +211,7 @@ static void keys_that_have_no_effect_are_refused(void **state)
     assert_code(&s, "scene.load", named(&s, "p_rgbd.png", "quilt", json_string("1x1")), NULL, 0, 0,
                 "");
     lf_assert_close(live_number(&s.c, "status", NULL, "views"), 6, 0, 0);
-    assert_code(&s, "camera.set", json_pack("{s:i}", "distance", 2), NULL, 0, -32000,
+    assert_code(&s, "camera.set", json_pack("{s:i}", "fov_y", 20), NULL, 0, -32000,
                 "scene.load or playlist.change sets depth, focus and zoom");
     end(&s);
 }
