@@ -98,6 +98,7 @@ typedef struct lf_gallery {
     bool holds;         /* the video that is shown is paused with the playlist */
     /* the video's rounds when it was last looked at, and its generation */
     int64_t rounds, round_of;
+    int64_t failed; /* generation of the last video that failed */
 } lf_gallery;
 
 /* The panel that a client's programs use: server_loan.c. */
@@ -335,7 +336,8 @@ LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
 
 /* ---------------------------------------------------------------------------- server_movie.c -- */
 
-/* Pauses the video of an entry with the playlist. Another content starts unpaused. */
+/* Pauses the video of an entry with the playlist, and tells it whether to loop. Another content
+ * starts unpaused. */
 void lf_server_hold_movie(lf_server *server);
 /* The load of an entry has ended. */
 void lf_server_entry_loaded(lf_server *server, const lf_load *load);
