@@ -93,7 +93,7 @@ static lf_status open_video(bench *b, lf_error *err)
     if (status != LF_OK)
         return status;
     b->frame = lf_calloc(b->movie.frame_bytes, 1);
-    return b->frame ? lf_decoder_create(&b->movie, &b->decoder, err)
+    return b->frame ? lf_decoder_create(&b->movie, false, &b->decoder, err)
                     : lf_error_set(err, LF_E_NOMEM, b->file, "out of memory");
 }
 

@@ -83,7 +83,6 @@ typedef struct engine_movie {
     lf_views8 views;              /* its views as they are shown */
     bool is_fresh;                /* views were not posted before */
     bool is_moving;               /* more frames follow; otherwise it is paused or has ended */
-    bool told;                    /* its failure was reported */
     uint64_t lost;                /* frames that could not be posted */
 } engine_movie;
 

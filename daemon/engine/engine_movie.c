@@ -33,15 +33,6 @@ static void look_at_motion(lf_engine *engine, const lf_player_status *now)
     engine->movie.is_moving = moves;
 }
 
-static void tell_failure(lf_engine *engine, const lf_player_status *now)
-{
-    if (!now->failed || engine->movie.told)
-        return;
-    engine->movie.told = true;
-    lf_log_error(&now->err);
-    lf_wakeup_signal(engine->event_fd);
-}
-
 static void drop_drawing(engine_drawing *drawing)
 {
     lf_rgbd_warp_destroy(drawing->warp);
@@ -129,8 +120,7 @@ void engine_take_movie(lf_engine *engine)
         return;
     lf_player_get_status(player, &now);
     look_at_motion(engine, &now);
-    tell_failure(engine, &now);
-    if (now.ended)
+    if (now.ended || now.still || now.failed)
         lf_wakeup_signal(engine->event_fd);
     if (!take_frame(engine, player))
         return;

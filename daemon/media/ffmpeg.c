@@ -77,7 +77,7 @@ static int limit(pid_t pid, const lf_ffmpeg_limits *limits)
 /* Frames of tens of megabytes come and go. Kept by malloc, their pages are not zeroed for each
  * frame, which takes a third of ffmpeg's time. */
 #define KEEPS_PAGES                                                                                \
-    "GLIBC_TUNABLES=glibc.malloc.mmap_threshold=33554432:glibc.malloc.top_pad=134217728:"          \
+    "GLIBC_TUNABLES=glibc.malloc.mmap_threshold=268435456:glibc.malloc.top_pad=134217728:"          \
     "glibc.malloc.trim_threshold=1073741824"
 
 /* A child that reads foreign files gets only what it needs of our environment. */

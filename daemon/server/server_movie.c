@@ -9,10 +9,23 @@
 
 void lf_server_hold_movie(lf_server *server)
 {
-    const bool paused = lf_playlist_now(server->gallery.playlist).paused;
-    if (paused != server->gallery.holds)
-        lf_engine_pause_movie(server->engine, paused);
-    server->gallery.holds = paused;
+    const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
+    if (now.paused != server->gallery.holds)
+        lf_engine_pause_movie(server->engine, now.paused);
+    server->gallery.holds = now.paused;
+    /* while the next entry loads, the last frame of the one before stays */
+    if (server->content && server->content->player && !now.waits)
+        lf_player_set_once(server->content->player, now.once);
+}
+
+/* One line for each failure: the slideshow has its own. */
+static void take_failure(lf_gallery *gallery, int64_t generation, const lf_error *err)
+{
+    if (lf_playlist_now(gallery->playlist).waits) /* looked at again when the entry is loaded */
+        return;
+    if (!lf_playlist_played(gallery->playlist, generation, err) && gallery->failed != generation)
+        lf_log_error(err);
+    gallery->failed = generation;
 }
 
 static bool shows_movie(const lf_server *server)
@@ -52,9 +65,13 @@ void lf_server_look_at_movie(lf_server *server)
     const bool more = generation == gallery->round_of && now.player.rounds > gallery->rounds;
     gallery->round_of = generation;
     gallery->rounds = now.player.rounds;
-    if (now.player.failed || now.player.ended || more)
-        lf_playlist_played(gallery->playlist, generation,
-                           now.player.failed ? &now.player.err : NULL);
+    if (now.player.still)
+        lf_playlist_still(gallery->playlist, generation);
+    if (now.player.failed)
+        take_failure(gallery, generation, &now.player.err);
+    else if (now.player.ended || more)
+        (void)lf_playlist_played(gallery->playlist, generation, NULL);
+    lf_server_hold_movie(server); /* another load may have replaced the player */
 }
 
 void lf_server_entry_loaded(lf_server *server, const lf_load *load)

@@ -365,6 +365,59 @@ static void a_video_plays_though_something_was_paused_before(void **state)
     end(&s);
 }
 
+static void set_entries(sender *s, const char *const names[], int n)
+{
+    json_t *entries = json_array();
+    for (int i = 0; i < n; i++)
+        (void)json_array_append_new(entries, file_param(s, names[i]));
+    assert_code(s, "playlist.set", json_pack("{s:o}", "entries", entries), NULL, 0, 0, "");
+}
+
+/* A video that was to play once loops when nothing follows it any more. */
+static void a_video_of_the_slideshow_loops_when_it_is_alone(void **state)
+{
+    (void)state;
+    sender s;
+    begin_with(&s, "none");
+    make(&s, "v" NAMED ".mp4", 100, 50);
+    (void)movie_frame_png(s.l.folder, "p" NAMED ".png", 3);
+    static const char *const names[] = {"v" NAMED ".mp4", "p" NAMED ".png"};
+    set_entries(&s, names, 2);
+    assert_code(&s, "playlist.play", NULL, NULL, 0, 0, "");
+    live_wait(&s.c, "converged");
+    assert_code(&s, "playlist.pause", NULL, NULL, 0, 0, "");
+    set_entries(&s, names, 1);
+    assert_code(&s, "playlist.pause", json_pack("{s:b}", "paused", 0), NULL, 0, 0, "");
+    await_number(&s, "shown", 120);
+    /* and again, when the list stops */
+    assert_code(&s, "playlist.pause", NULL, NULL, 0, 0, "");
+    set_entries(&s, names, 2);
+    assert_code(&s, "playlist.stop", NULL, NULL, 0, 0, "");
+    await_number(&s, "shown", 240);
+    end(&s);
+}
+
+/* One frame, so that it is shown as long as a picture. */
+static void a_still_gif_of_the_slideshow_stands_as_a_picture(void **state)
+{
+    (void)state;
+    sender s;
+    begin_with(&s, "none");
+    make(&s, "v" NAMED ".mp4", 1, 20);
+    movie_run(s.l.folder, MOVIE_FFMPEG "-i v" NAMED ".mp4 g" NAMED ".gif");
+    make(&s, "w" NAMED ".mp4", 20, 20);
+    static const char *const names[] = {"g" NAMED ".gif", "w" NAMED ".mp4"};
+    set_entries(&s, names, 2);
+    assert_code(&s, "playlist.play", NULL, NULL, 0, 0, "");
+    live_wait(&s.c, "converged");
+    live_nap(1000);
+    json_t *video = video_now(&s);
+    assert_string_equal(json_string_value(json_object_get(video, "file")),
+                        file_in(&s, "g" NAMED ".gif"));
+    json_decref(video);
+    end(&s);
+}
+
 static void another_picture_ends_the_video(void **state)
 {
     (void)state;
@@ -407,6 +460,42 @@ static int find_children(const sender *s, const char *program, pid_t *out, int m
     return n;
 }
 
+static int count_logged(const sender *s, const char *text)
+{
+    FILE *file = fopen(s->l.log, "r");
+    char line[1024];
+    int n = 0;
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file))
+        n += strstr(line, text) != NULL;
+    (void)fclose(file);
+    return n;
+}
+
+/* A video that fails in each round of the slideshow has one line, as an entry. */
+static void a_failing_video_of_the_slideshow_has_one_line(void **state)
+{
+    (void)state;
+    sender s;
+    begin_with(&s, "none");
+    movie_run(s.l.folder,
+              MOVIE_FFMPEG "-f lavfi -i testsrc2=s=72x64:r=50 -frames:v 120 -c:v libx264 -bf 0 "
+                           "a.264 && " MOVIE_FFMPEG
+                           "-f lavfi -i testsrc2=s=96x96:r=50 -frames:v 3 -c:v libx264 -bf 0 "
+                           "b.264 && cat a.264 b.264 > ab.264 && " MOVIE_FFMPEG
+                           "-r 50 -i ab.264 -c copy bad" NAMED ".mkv 2> /dev/null");
+    make(&s, "v" NAMED ".mp4", 4, 20);
+    static const char *const names[] = {"v" NAMED ".mp4", "bad" NAMED ".mkv"};
+    set_entries(&s, names, 2);
+    assert_code(&s, "playlist.play", NULL, NULL, 0, 0, "");
+    for (int i = 0; i < LIVE_PATIENCE_S * 50; i++, live_nap(20))
+        if (live_number(&s.c, "status", NULL, "generation") >= 5)
+            break;
+    assert_true(live_number(&s.c, "status", NULL, "generation") >= 5);
+    assert_int_equal(count_logged(&s, "its pictures change their size"), 1);
+    end(&s);
+}
+
 static void a_killed_ffmpeg_leaves_the_last_frame_and_a_line(void **state)
 {
     (void)state;
@@ -431,7 +520,7 @@ static void a_killed_ffmpeg_leaves_the_last_frame_and_a_line(void **state)
     assert_panel(&s, (int)await_rest(&s));
     char line[PATH_MAX];
     snprintf(line, sizeof line, "%s: ffmpeg was ended by signal 9", file_in(&s, "v" NAMED ".mp4"));
-    assert_true(live_logged(&s.l, line));
+    assert_int_equal(count_logged(&s, line), 1);
     assert_int_equal(find_children(&s, "ffmpeg", pids, 4), 0); /* no zombie */
     load(&s, "v" NAMED ".mp4");                                /* it plays again */
     await_number(&s, "shown", 2);
@@ -537,7 +626,10 @@ int main(void)
         cmocka_unit_test(frames_stand_as_pictures_do),
         cmocka_unit_test(a_video_with_depth_becomes_views),
         cmocka_unit_test(a_video_plays_though_something_was_paused_before),
+        cmocka_unit_test(a_video_of_the_slideshow_loops_when_it_is_alone),
+        cmocka_unit_test(a_still_gif_of_the_slideshow_stands_as_a_picture),
         cmocka_unit_test(another_picture_ends_the_video),
+        cmocka_unit_test(a_failing_video_of_the_slideshow_has_one_line),
         cmocka_unit_test(a_killed_ffmpeg_leaves_the_last_frame_and_a_line),
         cmocka_unit_test(a_stopped_ffmpeg_delays_nothing),
         cmocka_unit_test(the_library_names_videos),
