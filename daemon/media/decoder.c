@@ -254,7 +254,8 @@ lf_status lf_decoder_read(lf_decoder *decoder, uint8_t *frame, lf_decoder_state 
 lf_status lf_decoder_waited(lf_decoder *decoder, int ms, lf_error *err)
 {
     lf_error why;
-    lf_status status = lf_ffmpeg_waited(&decoder->child, ms, &why);
+    lf_status status = decoder->n_frames > 0 ? lf_ffmpeg_waited(&decoder->child, ms, &why)
+                                             : lf_ffmpeg_opening(&decoder->child, ms, &why);
     if (status != LF_OK)
         return lf_error_set(err, status, decoder->movie->file, "ffmpeg %s", why.what);
     decoder->waited_ms += ms;

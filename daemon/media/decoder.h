@@ -38,7 +38,7 @@ int lf_decoder_fd(const lf_decoder *decoder);
 LF_NODISCARD lf_status lf_decoder_read(lf_decoder *decoder, uint8_t *frame, lf_decoder_state *out,
                                        lf_error *err);
 /* To be called after the caller has waited this long for lf_decoder_fd in vain. LF_E_TIMEOUT: it is
- * enough. A stop by a signal is logged once. */
+ * enough; before the first frame by lf_ffmpeg_opening. A stop by a signal is logged once. */
 LF_NODISCARD lf_status lf_decoder_waited(lf_decoder *decoder, int ms, lf_error *err);
 /* Frames read so far. */
 int64_t lf_decoder_frames(const lf_decoder *decoder);

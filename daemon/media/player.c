@@ -505,7 +505,6 @@ bool lf_player_take(lf_player *player, lf_views8 *out)
     if (newest.at >= 0) {
         player->held = newest;
         player->newest = no_slot;
-        player->status.taken++;
     }
     pthread_mutex_unlock(&player->lock);
     if (newest.at < 0)

@@ -26,7 +26,6 @@ typedef struct lf_player_status {
     int64_t rounds;   /* times that the video has played through */
     uint64_t due;     /* frames that were due so far … */
     uint64_t dropped; /* … of them dropped by the player */
-    uint64_t taken;   /* … of them taken by lf_player_take */
     bool paused;
     bool ended; /* it plays only once and holds its last frame */
     bool still; /* it has only one frame */

@@ -202,14 +202,15 @@ static lf_status read_answer(probing *p, lf_error *err)
             return lf_error_set(err, LF_E_CANCELLED, p->file, "cancelled");
         if (n > 0 || poll(&ready, 1, LOOK_MS) != 0)
             continue;
+        lf_error why;
         waited_ms += LOOK_MS;
-        lf_status status = lf_ffmpeg_waited(&p->child, LOOK_MS, err);
-        if (status == LF_OK && waited_ms >= PATIENCE_MS)
-            status = lf_error_set(err, LF_E_TIMEOUT, p->file,
-                                  "ffprobe has not answered for %d s; try the file with ffprobe",
-                                  PATIENCE_MS / 1000);
+        lf_status status = lf_ffmpeg_opening(&p->child, LOOK_MS, &why);
         if (status != LF_OK)
-            return status;
+            return lf_error_set(err, status, p->file, PROGRAM " %s", why.what);
+        if (waited_ms >= PATIENCE_MS)
+            return lf_error_set(err, LF_E_TIMEOUT, p->file,
+                                "ffprobe has not answered for %d s; try the file with ffprobe",
+                                PATIENCE_MS / 1000);
     }
 }
 

@@ -467,7 +467,7 @@ static int count_logged(const sender *s, const char *text)
     int n = 0;
     assert_non_null(file);
     while (fgets(line, sizeof line, file))
-        n += strstr(line, text) != NULL;
+        n += strstr(line, text) ? 1 : 0;
     (void)fclose(file);
     return n;
 }

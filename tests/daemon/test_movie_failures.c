@@ -23,7 +23,7 @@ static void a_bad_ffmpeg_is_told_in_one_line(void **state)
          "ffmpeg failed (exit status 3): no luck", LF_E_FORMAT},
         {"#!/bin/sh\nkill -9 $$\n", "ffmpeg was ended by signal 9", LF_E_FORMAT},
         {"#!/bin/sh\n" STUCK "exec sleep 1000\n",
-         "ffmpeg has delivered nothing for 60 s; try the file with ffplay", LF_E_TIMEOUT},
+         "ffmpeg has done nothing for 20 s; try the file with ffplay", LF_E_TIMEOUT},
         {"#!/bin/sh\n" STUCK "kill -STOP $$\n",
          "ffmpeg has been stopped (signal 19) for 60 s, so the video is abandoned", LF_E_TIMEOUT},
     };
@@ -41,6 +41,22 @@ static void a_bad_ffmpeg_is_told_in_one_line(void **state)
         uninstall("ffmpeg");
     }
     assert_int_equal(count_descriptors(), before);
+}
+
+/* An ffprobe that hangs holds the loads of others for a while only. */
+static void an_ffprobe_that_hangs_is_abandoned(void **state)
+{
+    (void)state;
+    lf_player *player;
+    lf_error err;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", movie_make(folder, "v.mp4", 3, 10, MOVIE_LOSSLESS));
+    install("ffprobe", "#!/bin/sh\n" STUCK "exec sleep 1000\n");
+    lf_assert_status(open_tiles(path, 3, 2, NULL, &player, &err), LF_E_TIMEOUT, &err);
+    assert_string_equal(err.where, path);
+    assert_string_equal(err.what, "ffprobe has done nothing for 20 s; try the file with ffplay");
+    uninstall("ffprobe");
+    assert_no_child();
 }
 
 /* Later the last frame stays. */
@@ -243,6 +259,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_bad_ffmpeg_is_told_in_one_line),
+        cmocka_unit_test(an_ffprobe_that_hangs_is_abandoned),
         cmocka_unit_test(the_last_frame_stays_when_ffmpeg_fails),
         cmocka_unit_test(a_stopped_ffmpeg_delays_no_end),
         cmocka_unit_test(a_video_that_changes_its_size_stops),
