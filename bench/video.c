@@ -9,6 +9,7 @@
 #include "bench/bench.h"
 #include "bench/command.h"
 #include "daemon/media/decoder.h"
+#include "quilt/rgbd.h"
 
 #define LOOK_MS 50
 
@@ -72,6 +73,10 @@ static lf_status open_video(bench *b, lf_error *err)
     const lf_photo photo = {0};
     const lf_layout *l = &b->movie.layout;
     lf_calibration_portrait(&b->calibration);
+    if (a->options.columns == 0 && lf_rgbd_named(b->file))
+        return lf_error_set(err, LF_E_ARG, b->file,
+                            "is a video with depth, whose views are not measured; --quilt 1x1 "
+                            "measures how it is decoded");
     lf_status status = lf_pool_create(a->options.threads, &b->pool);
     if (status == LF_OK && a->options.calibration)
         status = lf_calibration_load(a->options.calibration, &b->calibration, err);
@@ -88,7 +93,7 @@ static lf_status open_video(bench *b, lf_error *err)
     if (status != LF_OK)
         return status;
     b->frame = lf_calloc(b->movie.frame_bytes, 1);
-    return b->frame ? lf_decoder_create(&b->movie, &b->decoder, err)
+    return b->frame ? lf_decoder_create(&b->movie, false, &b->decoder, err)
                     : lf_error_set(err, LF_E_NOMEM, b->file, "out of memory");
 }
 

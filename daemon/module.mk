@@ -15,12 +15,12 @@ web_srcs := $(filter-out $(quiltweb_srcs),$(call wild,daemon/web/*.c))
 libs_quiltweb := $(filter-out model papers tools,$(libraries))
 link_quiltweb = $(dep_web_libs)
 
-# Its page and the schema of scenes are compiled in without indentation and // lines: an array of bytes per file, lf_web_index_html.
+# Its page and the schema of scenes are compiled in without indentation, // lines and /** comments: an array of bytes per file, lf_web_index_html.
 generated += gen/web_pages.h
 page_files := $(call wild,web/page/*) docs/scene.schema.json
 $(O)/gen/web_pages.h: $(addprefix $(SRCDIR)/,$(page_files)) $(SRCDIR)/daemon/module.mk
 	@mkdir -p $(@D)
 	@{ echo '/* made from web/page/ and docs/scene.schema.json */'; for f in $(page_files); do \
 	 echo "static const unsigned char lf_web_$$(basename $$f | tr . _)[] = {"; \
-	 sed '/^ *\/\/ /d; s/^ *//' $(SRCDIR)/$$f | od -An -v -tx1 | sed 's/ *\([0-9a-f][0-9a-f]\)/0x\1,/g'; echo '};'; done; } > $@
+	 sed '/^ *\/\/ /d; /^ *\/\*\*.*\*\/$$/d; /^ *\/\*\*/,/\*\/$$/d; s/^ *//' $(SRCDIR)/$$f | od -An -v -tx1 | sed 's/ *\([0-9a-f][0-9a-f]\)/0x\1,/g'; echo '};'; done; } > $@
 $(O)/daemon/web/pages.c.o: | $(O)/gen/web_pages.h

@@ -458,7 +458,8 @@ static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *
     lf_status status = view == 0 ? begin_folder(f, p, aspect, err) : LF_OK;
     if (status == LF_OK && !p->data32 == f->q->is_float)
         return lf_error_set(err, LF_E_FORMAT, f->list.names[view],
-                            "the folder mixes 8-bit and floating-point images; use one kind");
+                            "the folder mixes 8-bit and floating-point images; use one kind, or "
+                            "show them in turn with quiltd --playlist");
     if (status != LF_OK)
         return status;
     const int orientation = lf_photo_orientation(&f->photo, aspect);

@@ -451,7 +451,6 @@ void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *control
     pthread_mutex_lock(&engine->lock);
     engine->wanted.controls = *controls;
     engine->news.controls = true;
-    engine_hold_movie(engine);
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }

@@ -133,6 +133,8 @@ lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 typedef struct lf_movie_status {
     lf_player_status player;
     uint64_t shown, dropped; /* shown + dropped = player.due, once the last frame is taken */
+    bool is_coloured;        /* it is shown with depth, and the depth of its first frame has colours
+                              * (lf_rgbd_look) */
 } lf_movie_status;
 
 /* False: no video is shown. After a failure the last frame stays (player.failed). event_fd becomes

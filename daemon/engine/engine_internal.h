@@ -75,6 +75,7 @@ typedef struct engine_movie {
     /* under lock */
     lf_player *player;  /* NULL: none is shown */
     bool is_held;       /* lf_engine_pause_movie */
+    bool is_coloured;   /* the depth of its first frame has colours */
     uint64_t told_lost; /* `lost`, for others */
     /* owned by the thread */
     engine_drawing next, drawing; /* of the content that is being committed; of the video */
@@ -82,7 +83,6 @@ typedef struct engine_movie {
     lf_views8 views;              /* its views as they are shown */
     bool is_fresh;                /* views were not posted before */
     bool is_moving;               /* more frames follow; otherwise it is paused or has ended */
-    bool told;                    /* its failure was reported */
     uint64_t lost;                /* frames that could not be posted */
 } engine_movie;
 

@@ -20,7 +20,7 @@ void engine_hold_movie(lf_engine *engine)
 {
     if (!engine->movie.player)
         return;
-    lf_player_pause(engine->movie.player, engine->movie.is_held || engine->wanted.controls.paused);
+    lf_player_pause(engine->movie.player, engine->movie.is_held);
     engine->news.movie = true;
 }
 
@@ -31,15 +31,6 @@ static void look_at_motion(lf_engine *engine, const lf_player_status *now)
     const bool moves = !now->paused && !now->ended && !now->failed;
     engine->owed = engine->owed || (engine->movie.is_moving && !moves);
     engine->movie.is_moving = moves;
-}
-
-static void tell_failure(lf_engine *engine, const lf_player_status *now)
-{
-    if (!now->failed || engine->movie.told)
-        return;
-    engine->movie.told = true;
-    lf_log_error(&now->err);
-    lf_wakeup_signal(engine->event_fd);
 }
 
 static void drop_drawing(engine_drawing *drawing)
@@ -129,8 +120,7 @@ void engine_take_movie(lf_engine *engine)
         return;
     lf_player_get_status(player, &now);
     look_at_motion(engine, &now);
-    tell_failure(engine, &now);
-    if (now.ended)
+    if (now.ended || now.still || now.failed)
         lf_wakeup_signal(engine->event_fd);
     if (!take_frame(engine, player))
         return;
@@ -139,6 +129,18 @@ void engine_take_movie(lf_engine *engine)
     if (engine->movie.is_fresh)
         engine->movie.lost++;
     engine->movie.is_fresh = false;
+}
+
+static void look_at_depth(lf_engine *engine)
+{
+    const lf_content *content = engine->content;
+    if (!content->is_rgbd)
+        return;
+    const lf_rgbd_picture picture = picture_of(content, &engine->movie.frame);
+    const bool is_coloured = lf_rgbd_look_at(&content->rgbd, &picture).is_coloured;
+    pthread_mutex_lock(&engine->lock);
+    engine->movie.is_coloured = is_coloured;
+    pthread_mutex_unlock(&engine->lock);
 }
 
 void engine_begin_movie(lf_engine *engine)
@@ -155,6 +157,8 @@ void engine_begin_movie(lf_engine *engine)
         lf_log(LF_LOG_ERROR, "%s: out of memory for a thread; only the first frame is shown",
                engine->content->file);
     engine->movie.is_fresh = take_frame(engine, player);
+    if (engine->movie.is_fresh)
+        look_at_depth(engine);
     engine->movie.is_moving = true;
 }
 
@@ -195,6 +199,7 @@ bool lf_engine_get_movie(lf_engine *engine, lf_movie_status *out)
         lf_player_get_status(engine->movie.player, &out->player);
         const lf_mailbox_counts counts = lf_mailbox_counted(engine->mailbox);
         out->shown = counts.taken;
+        out->is_coloured = engine->movie.is_coloured;
         out->dropped = out->player.dropped + counts.replaced + engine->movie.told_lost;
     }
     pthread_mutex_unlock(&engine->lock);

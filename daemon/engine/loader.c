@@ -306,7 +306,9 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
     }
     if (!now || !now->scene)
         return lf_error_set(&load->err, LF_E_STATE, now ? now->file : "",
-                            "no scene is loaded; load one with scene.load first");
+                            now ? "it is a finished picture, which has no camera or scene; "
+                                  "scene.load or playlist.change sets depth, focus and zoom"
+                                : "no scene is loaded; load one with scene.load first");
     if (load->kind == LF_LOAD_PATCH)
         return load_patches(loader, roots, load, out);
     json_t *patch = NULL;

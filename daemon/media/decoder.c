@@ -50,7 +50,7 @@ static void put_filters(const lf_movie *movie, char *out, size_t size)
         snprintf(out + n, size - (size_t)n, "%s", turns[cut->orientation]);
 }
 
-static lf_status start(lf_decoder *decoder, lf_error *err)
+static lf_status start(lf_decoder *decoder, bool endless, lf_error *err)
 {
     const lf_movie *movie = decoder->movie;
     char filters[160], rate[32];
@@ -68,6 +68,8 @@ static lf_status start(lf_decoder *decoder, lf_error *err)
                                 "-noautorotate",
                                 "-reinit_filter",
                                 "0",
+                                "-stream_loop",
+                                endless ? "-1" : "0",
                                 "-protocol_whitelist",
                                 "file",
                                 "-f",
@@ -96,7 +98,8 @@ static lf_status start(lf_decoder *decoder, lf_error *err)
                            &decoder->child, err);
 }
 
-lf_status lf_decoder_create(const lf_movie *movie, lf_decoder **out_decoder, lf_error *err)
+lf_status lf_decoder_create(const lf_movie *movie, bool endless, lf_decoder **out_decoder,
+                            lf_error *err)
 {
     lf_decoder *decoder = lf_calloc(1, sizeof *decoder);
     if (!decoder)
@@ -104,7 +107,7 @@ lf_status lf_decoder_create(const lf_movie *movie, lf_decoder **out_decoder, lf_
     decoder->movie = movie;
     decoder->child = LF_FFMPEG_NONE;
     decoder->ended = -1;
-    lf_status status = start(decoder, err);
+    lf_status status = start(decoder, endless, err);
     if (status == LF_OK)
         *out_decoder = decoder;
     else
@@ -251,7 +254,8 @@ lf_status lf_decoder_read(lf_decoder *decoder, uint8_t *frame, lf_decoder_state 
 lf_status lf_decoder_waited(lf_decoder *decoder, int ms, lf_error *err)
 {
     lf_error why;
-    lf_status status = lf_ffmpeg_waited(&decoder->child, ms, &why);
+    lf_status status = decoder->n_frames > 0 ? lf_ffmpeg_waited(&decoder->child, ms, &why)
+                                             : lf_ffmpeg_opening(&decoder->child, ms, &why);
     if (status != LF_OK)
         return lf_error_set(err, status, decoder->movie->file, "ffmpeg %s", why.what);
     decoder->waited_ms += ms;

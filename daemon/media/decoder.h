@@ -1,4 +1,5 @@
-/* decoder: ffmpeg as a child process that writes the frames of a video, once through, into a pipe.
+/* decoder: ffmpeg as a child process that writes the frames of a video into a pipe, once through or
+ * again and again.
  * Frames arrive as views, cut and stacked while they are read, so no frame is copied twice. A full
  * pipe holds ffmpeg back.
  *
@@ -23,9 +24,10 @@ typedef enum lf_decoder_state {
     LF_DECODER_END,   /* the video has ended */
 } lf_decoder_state;
 
-/* Starts ffmpeg. movie is borrowed and must outlive it. LF_E_IO: no ffmpeg; LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_decoder_create(const lf_movie *movie, lf_decoder **out_decoder,
-                                         lf_error *err);
+/* Starts ffmpeg. endless: it begins again at the end, for ever. movie is borrowed and must outlive
+ * it. LF_E_IO: no ffmpeg; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_decoder_create(const lf_movie *movie, bool endless,
+                                         lf_decoder **out_decoder, lf_error *err);
 /* Ends ffmpeg at once. Accepts NULL. */
 void lf_decoder_destroy(lf_decoder *decoder);
 /* Readable when lf_decoder_read has something to do. */
@@ -36,7 +38,7 @@ int lf_decoder_fd(const lf_decoder *decoder);
 LF_NODISCARD lf_status lf_decoder_read(lf_decoder *decoder, uint8_t *frame, lf_decoder_state *out,
                                        lf_error *err);
 /* To be called after the caller has waited this long for lf_decoder_fd in vain. LF_E_TIMEOUT: it is
- * enough. A stop by a signal is logged once. */
+ * enough; before the first frame by lf_ffmpeg_opening. A stop by a signal is logged once. */
 LF_NODISCARD lf_status lf_decoder_waited(lf_decoder *decoder, int ms, lf_error *err);
 /* Frames read so far. */
 int64_t lf_decoder_frames(const lf_decoder *decoder);

@@ -77,7 +77,7 @@ static int limit(pid_t pid, const lf_ffmpeg_limits *limits)
 /* Frames of tens of megabytes come and go. Kept by malloc, their pages are not zeroed for each
  * frame, which takes a third of ffmpeg's time. */
 #define KEEPS_PAGES                                                                                \
-    "GLIBC_TUNABLES=glibc.malloc.mmap_threshold=33554432:glibc.malloc.top_pad=134217728:"          \
+    "GLIBC_TUNABLES=glibc.malloc.mmap_threshold=268435456:glibc.malloc.top_pad=134217728:"         \
     "glibc.malloc.trim_threshold=1073741824"
 
 /* A child that reads foreign files gets only what it needs of our environment. */
@@ -158,6 +158,29 @@ lf_status lf_ffmpeg_waited(lf_ffmpeg *child, int ms, lf_error *err)
                : lf_error_set(err, LF_E_TIMEOUT, child->program,
                               "has been stopped (signal %d) for %d s, so the video is abandoned",
                               info.si_status, LF_FFMPEG_STOPPED_S);
+}
+
+static int64_t worked_ns(const lf_ffmpeg *child)
+{
+    clockid_t clock;
+    struct timespec worked = {0};
+    if (clock_getcpuclockid(child->pid, &clock) == 0)
+        (void)clock_gettime(clock, &worked);
+    return (int64_t)worked.tv_sec * 1000000000 + worked.tv_nsec;
+}
+
+lf_status lf_ffmpeg_opening(lf_ffmpeg *child, int ms, lf_error *err)
+{
+    lf_status status = lf_ffmpeg_waited(child, ms, err);
+    const int64_t now = worked_ns(child);
+    const bool is_idle = now == child->worked_ns && child->stopped_ms == 0;
+    child->worked_ns = now;
+    child->idle_ms = is_idle ? child->idle_ms + ms : 0;
+    return status != LF_OK || child->idle_ms < LF_FFMPEG_IDLE_S * 1000
+               ? status
+               : lf_error_set(err, LF_E_TIMEOUT, child->program,
+                              "has done nothing for %d s; try the file with ffplay",
+                              LF_FFMPEG_IDLE_S);
 }
 
 bool lf_ffmpeg_ended(lf_ffmpeg *child, int *out_status)

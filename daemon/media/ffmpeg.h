@@ -14,12 +14,17 @@
 /* How long a child that a signal has stopped is waited for, in seconds. */
 #define LF_FFMPEG_STOPPED_S 60
 
+/* How long a child that opens a file may sleep, in seconds: disks take long to start. */
+#define LF_FFMPEG_IDLE_S 20
+
 typedef struct lf_ffmpeg {
     const char *program; /* "ffmpeg" or "ffprobe" */
+    int64_t worked_ns;   /* its processor time when it was last waited for */
     pid_t pid;           /* 0: none, or it has ended */
     int pipe;            /* our end: its standard input or output; does not block */
     int said;            /* its standard error */
     int stopped_ms;      /* time spent waiting for the stopped process */
+    int idle_ms;         /* time spent waiting since it has last worked */
     bool told;           /* the stop was reported */
 } lf_ffmpeg;
 
@@ -54,6 +59,9 @@ LF_NODISCARD lf_status lf_ffmpeg_start(const char *program, const lf_ffmpeg_word
  * However slow a machine is, a stopped program makes no progress. Only our own waiting counts, so
  * time in which this program was stopped does not. The log reports a stop once. */
 LF_NODISCARD lf_status lf_ffmpeg_waited(lf_ffmpeg *child, int ms, lf_error *err);
+/* The same, while it opens a file. LF_E_TIMEOUT also: it has used no processor time for so long
+ * that it hangs. A slow machine is no reason. */
+LF_NODISCARD lf_status lf_ffmpeg_opening(lf_ffmpeg *child, int ms, lf_error *err);
 /* Whether the child has ended, without waiting; *out_status is then waitpid's. */
 bool lf_ffmpeg_ended(lf_ffmpeg *child, int *out_status);
 /* Waits until it has ended. stopped (may be NULL) is asked meanwhile: LF_E_CANCELLED, with where.

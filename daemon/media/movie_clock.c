@@ -41,6 +41,14 @@ lf_clock_verdict lf_movie_clock_judge(lf_movie_clock *clock, int64_t frame, uint
     return LF_CLOCK_SHOW;
 }
 
+void lf_movie_clock_resume(lf_movie_clock *clock, int64_t frame, uint64_t now)
+{
+    const uint64_t due = lf_movie_clock_due(clock, frame),
+                   at = clock->paused > 0 ? clock->paused : now;
+    if (at > due)
+        clock->t0 += at - due;
+}
+
 void lf_movie_clock_pause(lf_movie_clock *clock, bool paused, uint64_t now)
 {
     if (paused && clock->paused == 0)

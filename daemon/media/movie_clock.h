@@ -31,6 +31,8 @@ uint64_t lf_movie_clock_due(const lf_movie_clock *clock, int64_t frame);
  * as carried out. *out_moved (may be NULL): the clock has waited. */
 lf_clock_verdict lf_movie_clock_judge(lf_movie_clock *clock, int64_t frame, uint64_t now,
                                       bool *out_moved);
+/* Makes a frame due now if its time is already over: frames from it on are as late as it is. */
+void lf_movie_clock_resume(lf_movie_clock *clock, int64_t frame, uint64_t now);
 /* Stops the clock, or lets it go on. While it is stopped no frame is due. */
 void lf_movie_clock_pause(lf_movie_clock *clock, bool paused, uint64_t now);
 

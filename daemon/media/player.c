@@ -17,6 +17,7 @@
 #define LOOK_MS 50
 /* The next round's ffmpeg is started this long before the end, in seconds. */
 #define AHEAD_S 1
+#define NEVER UINT64_MAX
 /* A video that ends earlier than it says is told of. */
 #define SHORT_S 1
 #define SHORT_SHARE 0.9
@@ -37,16 +38,21 @@ struct lf_player {
     void (*news)(void *context);
     void *context;
     int wakeup;
-    bool once, started;
+    bool started;
 
     /* owned by the thread */
+    bool is_full;    /* filling is whole */
+    bool is_over;    /* no more frames follow */
+    bool is_late;    /* ffmpeg was not started ahead of this round */
+    bool is_endless; /* decoder plays all further rounds */
+    bool is_next_endless;
+    bool told_of_waiting;
     lf_decoder *decoder, *next; /* of this round, of the next one */
     slot filling;
-    int64_t n_read; /* frames read since the start */
-    int64_t round;  /* of the frames that are read */
-    bool is_full;   /* filling is whole */
-    bool is_over;   /* no more frames follow */
-    bool told_of_waiting;
+    int64_t n_read;   /* frames read since the start */
+    int64_t in_round; /* of them, in this round */
+    int64_t n_round;  /* frames of a whole round; 0: not known yet */
+    int64_t round;    /* of the frames that are read */
 
     pthread_mutex_t lock;
     /* under lock */
@@ -55,7 +61,7 @@ struct lf_player {
     slot newest;  /* due and not taken */
     slot held;    /* taken */
     lf_player_status status;
-    bool stop;
+    bool once, stop;
 };
 
 /* ------------------------------------------------------------------------------------ frames -- */
@@ -143,37 +149,82 @@ static void tell_short(const lf_player *player, int64_t n)
                player->movie.file, (long long)n, (long long)info->n_frames);
 }
 
-/* Starts ffmpeg for the next round shortly before the end of this one. */
+static bool plays_once(lf_player *player)
+{
+    pthread_mutex_lock(&player->lock);
+    const bool once = player->once;
+    pthread_mutex_unlock(&player->lock);
+    return once;
+}
+
+/* One ffmpeg plays all rounds of n frames that are shorter than its start may take. */
+static bool is_short(const lf_player *player, int64_t n)
+{
+    return (double)n <= AHEAD_S * lf_movie_fps(&player->movie);
+}
+
+/* Starts ffmpeg for the next round shortly before the end of this one. A round's length is known
+ * only after it; before, the file's word counts. */
 static void look_ahead(lf_player *player)
 {
-    const int64_t n = player->decoder ? lf_decoder_frames(player->decoder) : 0,
-                  left = player->movie.info.n_frames - n;
-    if (player->once || player->next || player->is_over || n < 1 ||
-        player->movie.info.n_frames < 2 || (double)left > AHEAD_S * lf_movie_fps(&player->movie))
+    const int64_t n = player->n_round > 0 ? player->n_round : player->movie.info.n_frames;
+    if (player->next || player->is_endless || n < 2 || !is_short(player, n - player->in_round) ||
+        plays_once(player))
         return;
-    if (lf_decoder_create(&player->movie, &player->next, NULL) != LF_OK)
+    player->is_next_endless = is_short(player, n);
+    if (lf_decoder_create(&player->movie, player->is_next_endless, &player->next, NULL) != LF_OK)
         player->next = NULL; /* tried again at the end, where it is an error */
+}
+
+/* A round begins, by the ffmpeg that was started ahead if there is one. */
+static void begin_round(lf_player *player)
+{
+    lf_error err;
+    player->is_over = false;
+    player->round++;
+    player->in_round = 0;
+    player->is_late = !player->next;
+    player->is_endless =
+        player->is_late ? is_short(player, player->n_round) : player->is_next_endless;
+    player->decoder = player->next;
+    player->next = NULL;
+    if (!player->is_late ||
+        lf_decoder_create(&player->movie, player->is_endless, &player->decoder, &err) == LF_OK)
+        return;
+    player->decoder = NULL;
+    fail(player, &err);
 }
 
 static void end_round(lf_player *player)
 {
-    lf_error err;
-    const int64_t n = lf_decoder_frames(player->decoder);
-    if (player->round == 0)
-        tell_short(player, n);
     lf_decoder_destroy(player->decoder);
-    player->decoder = player->next;
-    player->next = NULL;
-    player->is_over = player->once || n < 2;
-    if (player->is_over) {
-        lf_decoder_destroy(player->decoder);
-        player->decoder = NULL;
+    player->decoder = NULL;
+    if (player->n_round == 0)
+        tell_short(player, player->in_round);
+    player->n_round = player->in_round;
+    player->is_over = player->n_round < 2 || plays_once(player);
+    if (!player->is_over) {
+        begin_round(player);
         return;
     }
-    player->round++;
-    if (!player->decoder && lf_decoder_create(&player->movie, &player->decoder, &err) != LF_OK) {
-        player->decoder = NULL;
-        fail(player, &err);
+    lf_decoder_destroy(player->next);
+    player->next = NULL;
+    if (player->n_round > 1)
+        return;
+    pthread_mutex_lock(&player->lock);
+    player->status.still = true;
+    pthread_mutex_unlock(&player->lock);
+    tell_news(player);
+}
+
+/* After the last frame of a round of an endless ffmpeg. */
+static void turn(lf_player *player)
+{
+    if (plays_once(player)) {
+        end_round(player);
+    } else {
+        player->round++;
+        player->in_round = 0;
     }
 }
 
@@ -191,10 +242,12 @@ static void read_frame(lf_player *player)
         end_round(player);
     } else if (state == LF_DECODER_FRAME) {
         player->filling.number = player->n_read++;
-        player->filling.in_round = lf_decoder_frames(player->decoder) - 1;
+        player->filling.in_round = player->in_round++;
         player->filling.round = player->round;
         player->is_full = true;
         look_ahead(player);
+        if (player->is_endless && player->in_round == player->n_round)
+            turn(player);
     }
 }
 
@@ -202,32 +255,60 @@ static void read_frame(lf_player *player)
 
 /* What the thread waits for. */
 typedef struct agenda {
-    bool stops, reads, changed;
-    uint64_t wait_ns;
+    bool stops, reads, changed, begins;
+    uint64_t wait_ns; /* NEVER: without a limit */
 } agenda;
+
+/* A video that has ended is to loop after all. */
+static bool begins_again(lf_player *player)
+{
+    if (!player->is_over || player->once || player->status.failed || player->n_round < 2)
+        return false;
+    player->status.ended = false;
+    return true;
+}
+
+/* The whole frame waits until it is due. */
+static void pass_on(lf_player *player, uint64_t now)
+{
+    player->waiting = player->filling;
+    player->filling = no_slot;
+    player->is_full = false;
+    if (player->is_late)
+        lf_movie_clock_resume(&player->clock, player->waiting.number, now);
+    player->is_late = false;
+}
+
+/* Until the next frame is due, or the end of the last one. */
+static uint64_t time_left(const lf_player *player, uint64_t now)
+{
+    const bool waits = player->waiting.at >= 0,
+               ends = player->is_over && !player->status.ended && !player->status.failed;
+    if (player->clock.paused > 0 || (!waits && !ends))
+        return NEVER;
+    const uint64_t due =
+        lf_movie_clock_due(&player->clock, waits ? player->waiting.number : player->n_read);
+    return due > now ? due - now : 0;
+}
 
 static agenda plan(lf_player *player)
 {
     bool moved = false;
     pthread_mutex_lock(&player->lock);
     const uint64_t now = lf_time_now_ns();
-    agenda a = {.stops = player->stop, .wait_ns = LOOK_MS * LF_NS_PER_MS};
-    if (player->is_full && player->waiting.at < 0) {
-        player->waiting = player->filling;
-        player->filling = no_slot;
-        player->is_full = false;
-    }
+    agenda a = {.stops = player->stop, .begins = begins_again(player)};
+    if (player->is_full && player->waiting.at < 0)
+        pass_on(player, now);
     if (player->waiting.at >= 0)
         a.changed = judge(player, now, &moved);
-    a.changed |= end_in_time(player, now);
+    if (!a.begins)
+        a.changed |= end_in_time(player, now);
     if (player->filling.at < 0)
         player->filling = free_slot(player);
     a.reads = player->decoder && !player->is_over && !player->is_full && player->filling.at >= 0;
-    const bool waits = player->waiting.at >= 0 && player->clock.paused == 0;
-    const uint64_t due =
-        waits ? lf_movie_clock_due(&player->clock, player->waiting.number) : UINT64_MAX;
-    if (due < now + a.wait_ns)
-        a.wait_ns = due > now ? due - now : 0;
+    a.wait_ns = time_left(player, now);
+    if (a.reads && a.wait_ns > LOOK_MS * LF_NS_PER_MS)
+        a.wait_ns = LOOK_MS * LF_NS_PER_MS;
     pthread_mutex_unlock(&player->lock);
     if (moved && !player->told_of_waiting) {
         lf_log(LF_LOG_WARNING,
@@ -245,7 +326,7 @@ static void wait_and_read(lf_player *player, const agenda *a)
     const struct timespec wait = {(time_t)(a->wait_ns / LF_NS_PER_S),
                                   (long)(a->wait_ns % LF_NS_PER_S)};
     lf_error err;
-    const int n = ppoll(fds, 2, &wait, NULL);
+    const int n = ppoll(fds, 2, a->wait_ns == NEVER ? NULL : &wait, NULL);
     if (fds[0].revents)
         lf_wakeup_clear(player->wakeup);
     if (!a->reads)
@@ -263,9 +344,11 @@ static void *player_main(void *context)
         const agenda a = plan(player);
         if (a.stops)
             break;
+        if (a.begins)
+            begin_round(player);
         if (a.changed)
             tell_news(player);
-        else
+        else if (!a.begins)
             wait_and_read(player, &a);
     }
     lf_decoder_destroy(player->decoder);
@@ -332,7 +415,7 @@ lf_status lf_player_create(const char *path, const lf_roots *roots, int columns,
     if (status == LF_OK)
         status = allocate(player, err);
     if (status == LF_OK)
-        status = lf_decoder_create(&player->movie, &player->decoder, err);
+        status = lf_decoder_create(&player->movie, false, &player->decoder, err);
     if (status == LF_OK)
         status = read_first(player, stopped, err);
     if (status != LF_OK) {
@@ -340,7 +423,7 @@ lf_status lf_player_create(const char *path, const lf_roots *roots, int columns,
         return status;
     }
     player->newest.at = 0;
-    player->n_read = 1;
+    player->n_read = player->in_round = 1;
     describe(player);
     *out_player = player;
     return LF_OK;
@@ -367,7 +450,12 @@ const lf_movie *lf_player_movie(const lf_player *player)
 
 void lf_player_set_once(lf_player *player, bool once)
 {
+    pthread_mutex_lock(&player->lock);
+    const bool changes = player->once != once;
     player->once = once;
+    pthread_mutex_unlock(&player->lock);
+    if (changes)
+        lf_wakeup_signal(player->wakeup);
 }
 
 lf_status lf_player_start(lf_player *player, void (*news)(void *context), void *context)
@@ -376,10 +464,12 @@ lf_status lf_player_start(lf_player *player, void (*news)(void *context), void *
         return LF_OK;
     player->news = news;
     player->context = context;
+    pthread_mutex_lock(&player->lock); /* others may ask already */
     lf_movie_clock_start(&player->clock, player->movie.info.rate, player->movie.info.per,
                          lf_time_now_ns());
     lf_movie_clock_pause(&player->clock, player->status.paused, lf_time_now_ns());
     player->status.due = 1;
+    pthread_mutex_unlock(&player->lock);
     lf_status status = lf_thread_start("lf-player", player_main, player, &player->thread);
     player->started = status == LF_OK;
     return status;
@@ -415,7 +505,6 @@ bool lf_player_take(lf_player *player, lf_views8 *out)
     if (newest.at >= 0) {
         player->held = newest;
         player->newest = no_slot;
-        player->status.taken++;
     }
     pthread_mutex_unlock(&player->lock);
     if (newest.at < 0)

@@ -26,15 +26,15 @@ typedef struct lf_player_status {
     int64_t rounds;   /* times that the video has played through */
     uint64_t due;     /* frames that were due so far … */
     uint64_t dropped; /* … of them dropped by the player */
-    uint64_t taken;   /* … of them taken by lf_player_take */
     bool paused;
     bool ended; /* it plays only once and holds its last frame */
+    bool still; /* it has only one frame */
     bool failed;
     lf_error err; /* valid if failed */
 } lf_player_status;
 
-/* Opens a video (lf_movie_open) and decodes its first frame. *notes (may be NULL) gets what a
- * picture's notes would say. Errors of lf_movie_open and lf_decoder. */
+/* Opens a video (lf_movie_open) and decodes its first frame. It loops. Errors of lf_movie_open and
+ * lf_decoder. */
 LF_NODISCARD lf_status lf_player_create(const char *path, const lf_roots *roots, int columns,
                                         int rows, const lf_photo *photo, bool (*stopped)(void),
                                         lf_player **out_player, lf_error *err);
@@ -42,7 +42,8 @@ LF_NODISCARD lf_status lf_player_create(const char *path, const lf_roots *roots,
 void lf_player_destroy(lf_player *player);
 const lf_movie *lf_player_movie(const lf_player *player);
 
-/* Holds the last frame at the end instead of looping. Before lf_player_start. */
+/* Holds the last frame at the end instead of looping, or loops again: a video that has ended then
+ * starts a new round. Any thread, at any time. */
 void lf_player_set_once(lf_player *player, bool once);
 /* Starts the clock with the first frame. news(context) is called by the player's thread whenever a
  * frame is due or the status has changed otherwise; it must not block. A second start is ignored.

@@ -53,12 +53,25 @@ static bool is_rate(int rate, int per)
     return fps >= LF_MOVIE_LEAST_FPS && fps <= LF_MOVIE_MOST_FPS;
 }
 
+/* Frames in the stream's own duration. */
+static bool mean_of(const json_t *stream, int *out_rate, int *out_per)
+{
+    const double frames = number_of(json_object_get(stream, "nb_frames")),
+                 ms = 1000 * number_of(json_object_get(stream, "duration"));
+    if (!(frames >= 1 && frames < INT_MAX / 1000 && ms >= 1 && ms < INT_MAX))
+        return false;
+    *out_rate = (int)lround(frames) * 1000;
+    *out_per = (int)lround(ms);
+    return true;
+}
+
 /* The mean rate, unless the base rate is about the same: then it is free of rounding. A base rate
  * that is much higher belongs to a variable rate. */
 static void take_rate(const json_t *stream, lf_movie_info *info)
 {
     int rate, per, base, base_per;
-    const bool has_mean = ratio_of(json_object_get(stream, "avg_frame_rate"), &rate, &per) &&
+    const bool has_mean = (ratio_of(json_object_get(stream, "avg_frame_rate"), &rate, &per) ||
+                           mean_of(stream, &rate, &per)) &&
                           is_rate(rate, per),
                has_base = ratio_of(json_object_get(stream, "r_frame_rate"), &base, &base_per) &&
                           is_rate(base, base_per);
@@ -189,14 +202,15 @@ static lf_status read_answer(probing *p, lf_error *err)
             return lf_error_set(err, LF_E_CANCELLED, p->file, "cancelled");
         if (n > 0 || poll(&ready, 1, LOOK_MS) != 0)
             continue;
+        lf_error why;
         waited_ms += LOOK_MS;
-        lf_status status = lf_ffmpeg_waited(&p->child, LOOK_MS, err);
-        if (status == LF_OK && waited_ms >= PATIENCE_MS)
-            status = lf_error_set(err, LF_E_TIMEOUT, p->file,
-                                  "ffprobe has not answered for %d s; try the file with ffprobe",
-                                  PATIENCE_MS / 1000);
+        lf_status status = lf_ffmpeg_opening(&p->child, LOOK_MS, &why);
         if (status != LF_OK)
-            return status;
+            return lf_error_set(err, status, p->file, PROGRAM " %s", why.what);
+        if (waited_ms >= PATIENCE_MS)
+            return lf_error_set(err, LF_E_TIMEOUT, p->file,
+                                "ffprobe has not answered for %d s; try the file with ffprobe",
+                                PATIENCE_MS / 1000);
     }
 }
 

@@ -243,6 +243,28 @@ static void judge_calibrations(const report *r)
                  "none was found; connect the panel's USB cable too, or pass --calibration FILE");
 }
 
+/* ------------------------------------------------------------------------------ its programs -- */
+
+static bool is_in_path(const char *path, const char *program)
+{
+    char file[PATH_MAX];
+    for (size_t n; *path != '\0'; path += n + (path[n] == ':')) {
+        n = strcspn(path, ":");
+        const int length = snprintf(file, sizeof file, "%.*s/%s", (int)n, path, program);
+        if (length > 0 && (size_t)length < sizeof file && access(file, X_OK) == 0)
+            return true;
+    }
+    return false;
+}
+
+static void judge_programs(const report *r)
+{
+    const char *path = r->facts->path;
+    if (path && !(is_in_path(path, "ffmpeg") && is_in_path(path, "ffprobe")))
+        say_note(r, "ffmpeg",
+                 "is not in PATH, so videos are not shown; install the package ffmpeg");
+}
+
 void lf_doctor_judge(const lf_doctor_facts *facts, lf_doctor_tell_fn tell, void *context)
 {
     const report r = {.facts = facts, .tell = tell, .context = context};
@@ -251,6 +273,7 @@ void lf_doctor_judge(const lf_doctor_facts *facts, lf_doctor_tell_fn tell, void 
     judge_service(&r);
     judge_panels(&r);
     judge_calibrations(&r);
+    judge_programs(&r);
 }
 
 const char *lf_doctor_level_name(lf_doctor_level level)

@@ -22,6 +22,7 @@ typedef struct lf_doctor_facts {
      * LoadState=loaded: systemd does not run or the service is not installed, and the service is
      * not judged. */
     const char *unit;
+    const char *path; /* PATH, in which ffmpeg is looked for; NULL: it is not judged */
 } lf_doctor_facts;
 
 /* Properties for `systemctl show`, comma separated. */

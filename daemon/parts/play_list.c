@@ -16,7 +16,8 @@ struct lf_playlist {
     int n, index;
     lf_playlist_how how;
     bool playing, paused;
-    bool ended;    /* it has played its last entry */
+    bool ended;    /* it has played its last entry … */
+    bool holds;    /* … which stays, and a video's last frame with it */
     bool wanted;   /* the current entry is to be loaded */
     bool vain;     /* the load in progress is of an entry that is no longer current */
     bool loaded;   /* the current entry … */
@@ -38,17 +39,6 @@ void lf_playlist_entries_free(lf_playlist_entry *entries, int n)
         json_decref(entries[i].keys);
     }
     lf_free(entries);
-}
-
-lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
-{
-    return (lf_playlist_state){.entries = playlist->entries,
-                               .n = playlist->n,
-                               .index = playlist->index,
-                               .playing = playlist->playing,
-                               .paused = playlist->paused,
-                               .loads = playlist->pace.on_its_way && !playlist->vain,
-                               .how = playlist->how};
 }
 
 static void tell(lf_playlist *playlist)
@@ -74,6 +64,26 @@ static bool is_followed(const lf_playlist *playlist)
     return neighbour(playlist, 1) != playlist->index;
 }
 
+/* Whether the current entry, if it is a video, is to hold its last frame. */
+static bool is_once(const lf_playlist *playlist)
+{
+    return (playlist->playing || playlist->holds) && playlist->n > 0 &&
+           !(playlist->entries[playlist->index].seconds > 0) && is_followed(playlist);
+}
+
+lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
+{
+    return (lf_playlist_state){.entries = playlist->entries,
+                               .n = playlist->n,
+                               .index = playlist->index,
+                               .playing = playlist->playing,
+                               .paused = playlist->paused,
+                               .loads = playlist->pace.on_its_way && !playlist->vain,
+                               .waits = playlist->playing && !playlist->loaded,
+                               .once = is_once(playlist),
+                               .how = playlist->how};
+}
+
 static void halt(lf_playlist *playlist)
 {
     playlist->playing = playlist->paused = playlist->wanted = playlist->timed = false;
@@ -94,9 +104,8 @@ static void load_wanted(lf_playlist *playlist)
     if (!playlist->wanted || playlist->pace.on_its_way)
         return;
     const lf_playlist_entry *entry = &playlist->entries[playlist->index];
-    const bool once = playlist->playing && !(entry->seconds > 0) && is_followed(playlist);
     playlist->wanted = false;
-    playlist->pace.on_its_way = playlist->events.due(playlist->context, entry, once);
+    playlist->pace.on_its_way = playlist->events.due(playlist->context, entry, is_once(playlist));
     if (!playlist->pace.on_its_way)
         halt(playlist);
 }
@@ -105,7 +114,8 @@ static void choose(lf_playlist *playlist, int index)
 {
     playlist->index = index;
     playlist->wanted = true;
-    playlist->loaded = playlist->timed = playlist->over = playlist->ended = false;
+    playlist->loaded = playlist->timed = playlist->over = false;
+    playlist->ended = playlist->holds = false;
     lf_pace_rest(&playlist->pace);
     drop_load(playlist);
     load_wanted(playlist);
@@ -146,7 +156,7 @@ static void start_time(lf_playlist *playlist)
 static void end(lf_playlist *playlist)
 {
     halt(playlist);
-    playlist->ended = true;
+    playlist->ended = playlist->holds = true;
 }
 
 /* The current entry was shown as long as it should be. */
@@ -213,8 +223,8 @@ static void skip(lf_playlist *playlist)
         next = neighbour(playlist, 1);
     }
     if (++playlist->n_failed >= playlist->n) {
-        lf_log(LF_LOG_WARNING, "playlist: none of its %d entries can be shown; it stops",
-               playlist->n);
+        lf_log(LF_LOG_WARNING, "playlist: none of its %d %s can be shown; it stops", playlist->n,
+               playlist->n == 1 ? "entry" : "entries");
         halt(playlist);
     } else if (next < 0) {
         end(playlist);
@@ -257,11 +267,28 @@ void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, bool is_movie
     }
 }
 
-void lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err)
+/* The video of this generation is the current entry's. */
+static bool is_its_video(const lf_playlist *playlist, int64_t generation)
 {
-    if (!playlist->playing || !playlist->loaded || !playlist->is_movie ||
-        generation < playlist->pace.generation || playlist->pace.on_its_way)
+    return playlist->playing && playlist->loaded && playlist->is_movie &&
+           generation >= playlist->pace.generation && !playlist->pace.on_its_way;
+}
+
+void lf_playlist_still(lf_playlist *playlist, int64_t generation)
+{
+    if (!is_its_video(playlist, generation))
         return;
+    playlist->is_movie = false;
+    playlist->entries[playlist->index].told = false;
+    playlist->n_failed = 0;
+    if (playlist->timed)
+        set_timer(playlist);
+}
+
+bool lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err)
+{
+    if (!is_its_video(playlist, generation))
+        return false;
     if (err) {
         tell_failure(playlist, err);
         playlist->on_panel = -1;
@@ -272,6 +299,7 @@ void lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_erro
         else
             go_on(playlist);
     }
+    return true;
 }
 
 /* --------------------------------------------------------------------------------- its owner -- */
@@ -312,7 +340,7 @@ static void forget(lf_playlist *playlist)
     drop_load(playlist);
     playlist->index = 0;
     playlist->on_panel = -1;
-    playlist->loaded = playlist->ended = false;
+    playlist->loaded = playlist->ended = playlist->holds = false;
 }
 
 void lf_playlist_set(lf_playlist *playlist, lf_playlist_entry *entries, int n,
@@ -367,7 +395,8 @@ void lf_playlist_play(lf_playlist *playlist, int index)
     if (index < 0)
         index = playlist->ended ? 0 : playlist->index;
     if (!playlist->playing) {
-        lf_log(LF_LOG_INFO, "playlist: plays %d entries", playlist->n);
+        lf_log(LF_LOG_INFO, "playlist: plays %d %s", playlist->n,
+               playlist->n == 1 ? "entry" : "entries");
         playlist->on_panel = -1; /* anything may have been shown meanwhile */
     }
     playlist->playing = true;
@@ -397,6 +426,7 @@ void lf_playlist_stop(lf_playlist *playlist)
 {
     const bool playing = playlist->playing;
     halt(playlist);
+    playlist->holds = false;
     drop_load(playlist);
     if (playing)
         lf_log(LF_LOG_INFO, "playlist: stopped at entry %d", playlist->index);

@@ -2,7 +2,7 @@
  * nor server: its owner loads the entries it requests and reports the outcome.
  *
  * An entry is shown for its seconds. Without them a video is shown once through, and anything else
- * for the list's seconds. Thread: event. */
+ * for the list's seconds. A video of one frame is a picture. Thread: event. */
 #ifndef LF_DAEMON_PLAY_LIST_H
 #define LF_DAEMON_PLAY_LIST_H
 
@@ -30,7 +30,8 @@ typedef struct lf_playlist_how {
 } lf_playlist_how;
 
 typedef struct lf_playlist_events {
-    /* Load this entry. once: a video is to hold its last frame instead of looping. Call
+    /* Load this entry. once: a video is to hold its last frame instead of looping; changes of that
+     * are in lf_playlist_state.once. Call
      * lf_playlist_loaded when the load has ended, but not from within. False: not possible, which
      * ends the playlist's run. */
     bool (*due)(void *context, const lf_playlist_entry *entry, bool once);
@@ -49,6 +50,8 @@ typedef struct lf_playlist_state {
     bool playing;
     bool paused; /* only while it is played */
     bool loads;  /* the current entry is being loaded */
+    bool waits;  /* the panel does not show the current entry yet */
+    bool once;   /* if the current entry is a video, it is to hold its last frame at the end */
     lf_playlist_how how;
 } lf_playlist_state;
 
@@ -86,9 +89,12 @@ void lf_playlist_step(lf_playlist *playlist, int step);
  * time starts again. If all entries fail one after another, the list stops with a line. */
 void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, bool is_movie,
                         const lf_error *err);
+/* The video of this generation has only one frame: it counts as a picture. May be repeated. */
+void lf_playlist_still(lf_playlist *playlist, int64_t generation);
 /* The video of this generation has played through, once more or for good, or cannot go on (err).
- * May be repeated. */
-void lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err);
+ * May be repeated. False: it is not the video of the current entry, so err has no line in the
+ * log. */
+bool lf_playlist_played(lf_playlist *playlist, int64_t generation, const lf_error *err);
 /* The panel shows this generation at this level. */
 void lf_playlist_shown(lf_playlist *playlist, int64_t generation, lf_level level);
 lf_playlist_state lf_playlist_now(const lf_playlist *playlist);

@@ -317,7 +317,11 @@ static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
         status = json_object_get(call->params, "file")
                      ? find_file(call, load->sent.passed, &load->file, err)
                      : take_scene(call, load, err);
-    return status == LF_OK ? refuse_words(call, load, err) : status;
+    if (status == LF_OK)
+        status = refuse_words(call, load, err);
+    return status == LF_OK && json_object_get(call->params, "file")
+               ? lf_server_check_standing(call->params, load->file, &load->words, call->method, err)
+               : status;
 }
 
 void lf_method_scene_load(lf_call *call)
@@ -426,7 +430,6 @@ void lf_method_camera_fit(lf_call *call)
 static lf_status take_keys(const json_t *params, lf_engine_controls *controls, lf_options *options,
                            lf_error *err)
 {
-    const json_t *paused = json_object_get(params, "paused");
     options->estimator = controls->estimator;
     options->target_error = controls->target_error;
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
@@ -442,7 +445,6 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     controls->has_exposure = true;
     controls->denoise = options->denoise;
     controls->guides = options->guides;
-    controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
 }
 
@@ -466,6 +468,8 @@ void lf_method_render_set(lf_call *call)
                 !same_name(options.integrator, server->options.integrator);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
+    if (json_object_get(call->params, "paused"))
+        lf_server_pause(server, json_is_true(json_object_get(call->params, "paused")));
     /* Features, which a film without them lacks. */
     bool more = before.denoise == LF_DENOISE_OFF &&
                 (controls.denoise != before.denoise || (controls.guides && !before.guides));

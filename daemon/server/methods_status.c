@@ -139,7 +139,7 @@ static void add_engine(lf_server *server, json_t *status)
         known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate), "error_bound",
         known_or_null(now.error_bound), "missing", (json_int_t)now.missing, "threads", now.threads,
         "estimator", lf_estimator_name(controls.estimator), "target_error", controls.target_error,
-        "paused", controls.paused, "guides", controls.guides, "denoise",
+        "paused", (int)lf_server_is_paused(server), "guides", controls.guides, "denoise",
         now.reconstructed ? "on" : "off", "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);

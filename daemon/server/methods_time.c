@@ -28,7 +28,7 @@ static bool check_moves(lf_call *call)
                        : content->player ? "a video plays by itself; use render.set paused=true "
                                            "or false"
                        : content->scene  ? "the scene has no animation"
-                                         : "no scene is loaded; call scene.load first");
+                                         : "a finished picture has no animation");
     lf_fail(call, &err, false);
     return false;
 }

@@ -67,9 +67,7 @@ static void toggle_pause(lf_server *server)
         lf_playlist_pause(server->gallery.playlist, !list.paused);
         return;
     }
-    lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    controls.paused = !controls.paused;
-    lf_engine_set_controls(server->engine, &controls);
+    lf_server_pause(server, !lf_server_is_paused(server));
 }
 
 /* A playlist that is played takes the place of the folder. */

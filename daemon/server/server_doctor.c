@@ -1,5 +1,7 @@
 /* The method doctor. One examination runs at a time, on a thread of the panel session; calls that
  * arrive meanwhile get its findings, too. */
+#include <stdlib.h>
+
 #include "base/alloc.h"
 #include "daemon/parts/doctor.h"
 #include "daemon/server/server_internal.h"
@@ -25,7 +27,8 @@ static void judge(void *answer, const lf_device_info *devices, int n_devices, co
                                    .devices = devices,
                                    .n_devices = n_devices,
                                    .found = found,
-                                   .n_found = n_found};
+                                   .n_found = n_found,
+                                   .path = getenv("PATH")};
     examination->findings = lf_doctor_json(&facts);
 }
 

@@ -42,8 +42,10 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
         lf_show_calibration(server->show))
         lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
-    if (is_worth_telling(server, shown, news))
+    if (is_worth_telling(server, shown, news)) {
         lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
+        lf_server_warn_of_movie(server);
+    }
     if (!news)
         return;
     lf_log(LF_LOG_DEBUG, "generation %lld: %s after %.1f passes", (long long)shown->generation,

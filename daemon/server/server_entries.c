@@ -131,6 +131,8 @@ lf_status lf_server_entry_words(const lf_server *server, const lf_playlist_entry
         return refuse_key("quilt", why.what, err);
     if (status == LF_OK && !quilt && is_plain(entry, words))
         words->columns = words->rows = 1;
+    if (status == LF_OK)
+        status = lf_server_check_standing(entry->keys, entry->file, words, "playlist", err);
     return status == LF_OK ? check_views(entry, words, err) : status;
 }
 
@@ -251,14 +253,34 @@ static void keep_changes(const lf_server *server, checking *c)
     }
 }
 
+/* Once for a list: its first video that has no tiles in its name. */
+static void warn_of_plain(const lf_server *server, const checking *c)
+{
+    for (int i = 0; i < c->n; i++) {
+        const lf_playlist_entry *entry = &c->entries[i];
+        lf_load_words words;
+        if (lf_movie_ending(entry->file) && !json_object_get(entry->keys, "quilt") &&
+            lf_server_entry_words(server, entry, &words, NULL) == LF_OK &&
+            is_plain(entry, &words)) {
+            lf_log(LF_LOG_WARNING,
+                   "%s: is shown as one view, because its name has no tiles; quilt=8x6 of "
+                   "playlist.change says which",
+                   entry->file);
+            return;
+        }
+    }
+}
+
 static void take(lf_server *server, checking *c)
 {
     lf_gallery *gallery = &server->gallery;
-    if (c->folder && !c->deferred && !c->begins)
+    const char *before = gallery->folder.path;
+    if (c->folder && before && strcmp(c->folder, before) == 0)
         keep_changes(server, c);
     if (c->more)
         lf_log(LF_LOG_WARNING, "%s: the folder has too many files; the slideshow has the first %d",
                c->folder, c->n);
+    warn_of_plain(server, c);
     lf_free(gallery->folder.path);
     gallery->folder = (lf_played_folder){c->folder, c->more};
     c->folder = NULL;

@@ -96,8 +96,11 @@ typedef struct lf_gallery {
     lf_errands *checks; /* entries of playlist.set */
     int64_t listed;     /* number of the playlist's last load */
     bool holds;         /* the video that is shown is paused with the playlist */
+    unsigned warned;    /* its warnings that are in the log, by their bits */
     /* the video's rounds when it was last looked at, and its generation */
     int64_t rounds, round_of;
+    int64_t warned_of; /* generation of the video that `warned` is about */
+    int64_t failed;    /* generation of the last video that failed */
 } lf_gallery;
 
 /* The panel that a client's programs use: server_loan.c. */
@@ -337,7 +340,28 @@ LF_NODISCARD lf_status lf_server_entry_words(const lf_server *server,
 
 /* ---------------------------------------------------------------------------- server_movie.c -- */
 
-/* Pauses the video of an entry with the playlist. Another content starts unpaused. */
+/* Checks keys of a call or an entry that say how a finished picture stands, and are in words, by
+ * the name of its file. Tiles of 1x1 of a picture with depth are forgotten. LF_E_ARG: a key has no
+ * effect on this file, and where is said with it. */
+lf_status lf_server_check_standing(const json_t *keys, const char *file, lf_load_words *words,
+                                   const char *where, lf_error *err);
+
+/* The warnings about the video that is shown, from 0 on, as lf_server_warnings_json has them;
+ * false: there is none of this number now, but one with a greater number may be. */
+enum { LF_MOVIE_WARNINGS = 2, LF_MOVIE_WARNING = PATH_MAX + 200 };
+bool lf_server_movie_warning(const lf_server *server, int index, char out[LF_MOVIE_WARNING]);
+/* Logs each of them once for a video. */
+void lf_server_warn_of_movie(lf_server *server);
+
+/* Whether rendering is paused; of a video: whether it holds its frame. */
+bool lf_server_is_paused(const lf_server *server);
+
+/* Pauses rendering, or lets it go on. A video that is shown holds its frame instead, with the
+ * slideshow that it is an entry of; what is shown after it starts unpaused. */
+void lf_server_pause(lf_server *server, bool paused);
+
+/* Pauses the video of an entry with the playlist, and tells it whether to loop. Another content
+ * starts unpaused. */
 void lf_server_hold_movie(lf_server *server);
 /* The load of an entry has ended. */
 void lf_server_entry_loaded(lf_server *server, const lf_load *load);

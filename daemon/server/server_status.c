@@ -55,12 +55,15 @@ json_t *lf_server_warnings_json(const lf_server *server)
 {
     const lf_content *content = server->content;
     json_t *lines = json_array();
-    char words[LF_DEPTH_WORDS];
+    char words[LF_DEPTH_WORDS], movie[LF_MOVIE_WARNING];
     if (!content)
         return lines;
     for (int i = 0; content->scene && lf_scene_warning(content->scene, i); i++)
         (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(content->scene, i)));
     append_notes(lines, content);
+    for (int i = 0; i < LF_MOVIE_WARNINGS; i++)
+        if (lf_server_movie_warning(server, i, movie))
+            (void)json_array_append_new(lines, lf_rpc_text(movie));
     if (content->depth.exceeded)
         (void)json_array_append_new(
             lines, json_string(lf_depth_words(&content->depth, content->settings.width,

@@ -54,6 +54,8 @@ int lf_ctl_print_findings(const lf_doctor_facts *facts, FILE *out);
 
 /* Prints a `status` for people: what is shown, progress, the panel, problems; at most 24 lines. */
 void lf_ctl_print_status(const json_t *status, FILE *out);
+/* Prints the answer of a `playlist` method for people, in one line. */
+void lf_ctl_print_slideshow(const json_t *list, FILE *out);
 /* Writes a duration for people into buf, in s, min or h; returns buf. */
 #define LF_CTL_TIME 32
 char *lf_ctl_time(double seconds, char buf[LF_CTL_TIME]);

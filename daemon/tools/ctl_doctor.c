@@ -3,6 +3,7 @@
 #include <spawn.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
@@ -102,6 +103,7 @@ bool lf_ctl_doctor(const char *socket)
         .found = found,
         .n_found = found ? lf_find_all(found, MAX_FOUND) : 0,
         .unit = unit,
+        .path = getenv("PATH"),
     };
     const int n_problems = lf_ctl_print_findings(&facts, stdout);
     json_decref(status);

@@ -97,14 +97,33 @@ static void print_depth(const json_t *depth, FILE *out)
               number(depth, "nearest"), number(depth, "farthest"), number(depth, "sharp_from"), to);
 }
 
+static const char *state_of(const json_t *playlist)
+{
+    return is_true(playlist, "paused")    ? "paused"
+           : is_true(playlist, "playing") ? "playing"
+                                          : "stopped";
+}
+
 static void print_slideshow(const json_t *playlist, FILE *out)
 {
     const char *file = text(playlist, "file"), *slash = strrchr(file, '/');
-    const char *state = is_true(playlist, "paused")    ? "paused"
-                        : is_true(playlist, "playing") ? "playing"
-                                                       : "stopped";
     print_row(out, "slideshow", "entry %d of %d, %s, %s", integer(playlist, "index") + 1,
-              integer(playlist, "entries"), slash ? slash + 1 : file, state);
+              integer(playlist, "entries"), slash ? slash + 1 : file, state_of(playlist));
+}
+
+void lf_ctl_print_slideshow(const json_t *list, FILE *out)
+{
+    char name[512];
+    const json_t *entries = json_object_get(list, "entries");
+    const json_t *entry = json_array_get(entries, (size_t)integer(list, "index"));
+    if (!entry) {
+        fprintf(out, "no entries\n");
+        return;
+    }
+    const char *file = text(entry, "file"), *slash = strrchr(file, '/');
+    lf_escape(name, sizeof name, slash ? slash + 1 : file);
+    fprintf(out, "entry %d of %zu, %s, %s\n", integer(list, "index") + 1, json_array_size(entries),
+            name, state_of(list));
 }
 
 static void print_shown(const json_t *status, FILE *out)

@@ -1,10 +1,13 @@
 /* quiltctl: one call to quiltd. See docs/man/quiltctl.1. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
+#include "base/frame_name.h"
 #include "base/log.h"
 #include "daemon/output/options.h"
 #include "daemon/server/methods.h"
@@ -286,6 +289,17 @@ static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json
     return lf_ctl_call(ctl, a->method, params, NULL, 0, out_result, NULL, err);
 }
 
+/* The daemon says that a file is outside its folders, also if there is none. */
+static void explain_missing(const arguments *a, const json_t *params, lf_error *err)
+{
+    const bool loads = strcmp(a->method, "scene.load") == 0;
+    const char *path = loads || strcmp(a->method, "playlist.set") == 0
+                           ? json_string_value(json_object_get(params, loads ? "file" : "folder"))
+                           : NULL;
+    if (path && access(path, F_OK) != 0 && errno == ENOENT && !lf_frame_name_varies(path))
+        (void)lf_error_set(err, err->status, path, "%s", lf_errno_text(ENOENT));
+}
+
 static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
 {
     json_t *hello = NULL;
@@ -300,6 +314,8 @@ static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_er
         status = read_words(a, schema, params, err);
     if (status == LF_OK)
         status = call(ctl, a, hello, json_incref(params), out_result, err);
+    if (status == LF_E_STATE)
+        explain_missing(a, params, err);
     json_decref(params);
     json_decref(hello);
     return status;
@@ -316,6 +332,8 @@ static void print_result(const arguments *a, const json_t *result)
         lf_ctl_print_methods(result);
     } else if (strcmp(a->method, "status") == 0 && !a->all) {
         lf_ctl_print_status(result, stdout);
+    } else if (strncmp(a->method, "playlist.", 9) == 0 && strcmp(a->method, "playlist.get") != 0) {
+        lf_ctl_print_slideshow(result, stdout);
     } else if (strcmp(a->method, "scene.get") == 0) {
         json_dumpf(json_object_get(result, "scene"), stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');

@@ -113,7 +113,8 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     if (o->preset || o->view_width > 0)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
-            "cannot be combined with a finished quilt; its name or --quilt gives the layout");
+            "cannot be combined with a finished quilt; its name or --quilt gives the layout; "
+            "if the image has depth next to it, add --rgbd-in");
     const bool is_still = a->kind == &lf_output_still ||
                           (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
                of_middle = is_still || a->kind == &lf_output_wiggle;

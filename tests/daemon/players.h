@@ -28,6 +28,7 @@ static char *path_before;
 /* ------------------------------------------------------------------------- clock and waiting -- */
 
 static _Atomic uint64_t clock_ns = 1000;
+static _Atomic int n_waits;
 
 /* A script has got stuck: waits end at once, with nothing. */
 static inline bool is_stuck(void)
@@ -49,7 +50,10 @@ int __wrap_ppoll(struct pollfd *fds, nfds_t n, const struct timespec *timeout,
                  const sigset_t *mask);
 int __wrap_ppoll(struct pollfd *fds, nfds_t n, const struct timespec *timeout, const sigset_t *mask)
 {
-    const struct timespec soon = {.tv_nsec = 20000};
+    const struct timespec soon = {.tv_nsec = 20000}, most = {.tv_nsec = 50000000};
+    atomic_fetch_add(&n_waits, 1);
+    if (timeout && (timeout->tv_sec > 0 || timeout->tv_nsec > most.tv_nsec))
+        timeout = &most; /* the test's clock may run faster */
     return __real_ppoll(fds, n, is_stuck() ? &soon : timeout, mask);
 }
 
@@ -98,6 +102,32 @@ static inline lf_player_status await_failure(lf_player *player)
 }
 
 /* ------------------------------------------------------------------------------- the fixture -- */
+
+/* A script takes the place of a program. */
+static inline void install(const char *name, const char *script)
+{
+    assert_int_equal(chmod(lf_test_write(folder, name, script), 0755), 0);
+}
+
+static inline void uninstall(const char *name)
+{
+    (void)unlink(lf_test_path(folder, "stuck"));
+    assert_int_equal(unlink(lf_test_path(folder, name)), 0);
+}
+
+/* An ffmpeg that counts its starts. */
+static inline void install_counter(void)
+{
+    (void)unlink(lf_test_path(folder, "starts"));
+    install("ffmpeg", "#!/bin/sh\necho >> \"${0%/*}/starts\"\n"
+                      "PATH=\"${PATH#*:}\" exec ffmpeg \"$@\"\n");
+}
+
+static inline int count_starts(void)
+{
+    struct stat st;
+    return stat(lf_test_path(folder, "starts"), &st) == 0 ? (int)st.st_size : 0;
+}
 
 static _Atomic int n_news;
 

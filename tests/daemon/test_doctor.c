@@ -259,6 +259,34 @@ static void the_limits_of_the_service_are_told(void **state)
     destroy_machine(m);
 }
 
+static void videos_need_ffmpeg(void **state)
+{
+    (void)state;
+    static const char words[] =
+        "note  ffmpeg: is not in PATH, so videos are not shown; install the "
+        "package ffmpeg\n";
+    machine *m = make_machine();
+    char path[PATH_MAX];
+    examine(m); /* no PATH: not judged */
+    assert_does_not_say(m, "ffmpeg");
+    snprintf(path, sizeof path, "/nowhere::%s/bin", m->root);
+    m->facts.path = path;
+    examine(m);
+    assert_says(m, words);
+    for (int i = 0; i < 2; i++) {
+        const char *const program = i == 0 ? "/bin/ffmpeg" : "/bin/ffprobe";
+        char file[PATH_MAX];
+        assert_says(m, words);
+        add_file(m, program);
+        snprintf(file, sizeof file, "%s%s", m->root, program);
+        assert_int_equal(chmod(file, 0700), 0);
+        examine(m);
+    }
+    assert_does_not_say(m, "ffmpeg");
+    assert_true(m->sound);
+    destroy_machine(m);
+}
+
 static void as_json_the_findings_are_the_same(void **state)
 {
     (void)state;
@@ -295,6 +323,7 @@ int main(void)
         cmocka_unit_test(a_daemon_that_has_no_panel_owns_none),
         cmocka_unit_test(a_daemon_that_says_other_things_is_put_up_with),
         cmocka_unit_test(the_limits_of_the_service_are_told),
+        cmocka_unit_test(videos_need_ffmpeg),
         cmocka_unit_test(as_json_the_findings_are_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -201,6 +201,23 @@ static void a_long_list_of_long_names_is_refused(void **state)
     end(&h);
 }
 
+/* Its tiles may be meant; a name that has them is believed. */
+static void a_video_that_is_shown_as_one_view_is_told(void **state)
+{
+    (void)state;
+    static const char words[] = "turn.mp4: is shown as one view, because its name has no tiles";
+    hall h;
+    begin(&h);
+    lf_test_write(h.scene, "turn.mp4", "x");
+    lf_test_write(h.scene, "turn_qs2x2.mp4", "x");
+    set(&h, "a.png turn_qs2x2.mp4", LONG, true);
+    assert_false(live_logged(&h.l, "is shown as one view"));
+    set(&h, "a.png turn_qs2x2.mp4 turn.mp4", LONG, true);
+    while (!live_logged(&h.l, words))
+        live_nap(20);
+    end(&h);
+}
+
 static void quiltctl_sends_absolute_names(void **state)
 {
     (void)state;
@@ -216,6 +233,17 @@ static void quiltctl_sends_absolute_names(void **state)
                  NULL);
     assert_int_equal(chdir(before), 0);
     assert_int_equal(code, 0);
+    /* one line, not the whole list */
+    assert_true(live_logged(&h.l, "entry 1 of 2, a.png, stopped"));
+    assert_false(live_logged(&h.l, "entries.0"));
+    assert_int_not_equal(live_run(&h.l, "quiltctl", "--socket", h.l.socket, "playlist.set",
+                                  "folder=/nowhere/at/all", NULL),
+                         0);
+    assert_true(live_logged(&h.l, "/nowhere/at/all: No such file or directory"));
+    assert_int_not_equal(live_run(&h.l, "quiltctl", "--socket", h.l.socket, "scene.load",
+                                  "file=/nowhere/missing.glb", NULL),
+                         0);
+    assert_true(live_logged(&h.l, "/nowhere/missing.glb: No such file or directory"));
     json_t *answer = live_call(&h.c, "playlist.get", NULL);
     json_t *entries = json_object_get(json_object_get(answer, "result"), "entries");
     assert_int_equal(json_array_size(entries), 2);
@@ -236,6 +264,7 @@ int main(void)
         cmocka_unit_test(next_and_previous_step_while_it_is_stopped),
         cmocka_unit_test(entries_are_checked_and_a_wrong_one_changes_nothing),
         cmocka_unit_test(a_long_list_of_long_names_is_refused),
+        cmocka_unit_test(a_video_that_is_shown_as_one_view_is_told),
         cmocka_unit_test(quiltctl_sends_absolute_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

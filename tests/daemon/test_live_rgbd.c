@@ -173,10 +173,54 @@ static void what_has_no_depth_leaves_the_image(void **state)
     end(&s);
 }
 
+static json_t *named(const sender *s, const char *name, const char *key, json_t *value)
+{
+    json_t *params = json_pack("{s:s}", "file", lf_test_path(s->l.folder, name));
+    (void)json_object_set_new(params, key, value);
+    return params;
+}
+
+static void keys_that_have_no_effect_are_refused(void **state)
+{
+    (void)state;
+    sender s;
+    uint8_t pixels[BYTES];
+    begin_reading(&s);
+    paint(pixels, false);
+    write_png(&s, "p_rgbd.png", pixels);
+    write_png(&s, "p_qs2x1.png", pixels);
+    lf_test_write(s.l.folder, "m.stl", "x");
+    static const char pictures[] = "applies only to finished pictures and videos",
+                      depth[] = "applies only to pictures with depth; rgbd_in says where it is";
+    assert_code(&s, "scene.load", named(&s, "m.stl", "focus", json_real(0.02)), NULL, 0, -32602,
+                pictures);
+    assert_code(&s, "scene.load", named(&s, "m.stl", "focus", json_integer(0)), NULL, 0, -32002,
+                "");
+    assert_code(&s, "scene.load", named(&s, "p_qs2x1.png", "depthiness", json_integer(2)), NULL, 0,
+                -32602, depth);
+    assert_code(&s, "scene.load", named(&s, "p_qs2x1.png", "depthiness", json_integer(1)), NULL, 0,
+                0, "");
+    assert_code(&s, "scene.load", named(&s, "p_qs2x1.png", "focus", json_real(0.02)), NULL, 0, 0,
+                "");
+    assert_code(&s, "scene.load", named(&s, "p_rgbd.png", "depthiness", json_integer(2)), NULL, 0,
+                0, "");
+    assert_code(&s, "playlist.set",
+                json_pack("{s:[o]}", "entries", named(&s, "m.stl", "zoom", json_real(2))), NULL, 0,
+                -32602, pictures);
+    /* a page that says "one picture" of one with depth */
+    assert_code(&s, "scene.load", named(&s, "p_rgbd.png", "quilt", json_string("1x1")), NULL, 0, 0,
+                "");
+    lf_assert_close(live_number(&s.c, "status", NULL, "views"), 6, 0, 0);
+    assert_code(&s, "camera.set", json_pack("{s:i}", "fov_y", 20), NULL, 0, -32000,
+                "scene.load or playlist.change sets depth, focus and zoom");
+    end(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_file_and_a_descriptor_give_the_same_views),
+        cmocka_unit_test(keys_that_have_no_effect_are_refused),
         cmocka_unit_test(finished_quilts_stand_as_they_are_told),
         cmocka_unit_test(what_has_no_depth_leaves_the_image),
     };

@@ -234,6 +234,14 @@ static bool is_paused(hall *h)
     return paused;
 }
 
+static bool renders_not(hall *h)
+{
+    json_t *status = live_call(&h->c, "status", NULL);
+    const bool paused = json_is_true(json_object_get(json_object_get(status, "result"), "paused"));
+    json_decref(status);
+    return paused;
+}
+
 static void a_pause_is_told_and_steps_work_in_it(void **state)
 {
     (void)state;
@@ -241,11 +249,15 @@ static void a_pause_is_told_and_steps_work_in_it(void **state)
     begin(&h);
     set(&h, "a.png c.png", 0.5, true);
     assert_refused(&h, "playlist.pause", NULL, -32000, "", "is stopped");
+    assert_int_equal(live_code(&h.c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    assert_true(renders_not(&h));
     assert_int_equal(live_code(&h.c, "playlist.play", NULL), 0);
     assert_int_equal(live_code(&h.c, "playlist.pause", NULL), 0);
     assert_true(is_paused(&h));
     const int index = index_now(&h);
     live_wait(&h.c, "converged");
+    while (renders_not(&h)) /* an entry plays */
+        live_nap(50);
     live_nap(1000); /* its time has passed */
     assert_int_equal(index_now(&h), index);
     assert_int_equal(live_code(&h.c, "playlist.next", NULL), 0);
@@ -345,6 +357,11 @@ static void the_option_plays_a_folder_and_a_hangup_reads_it_again(void **state)
     kill(h.l.pid, SIGHUP);
     wait_for_entries(&h, 6);
     assert_int_equal(index_now(&h), 1); /* "a.png" stays, as it was changed */
+    /* also if a client sets the same folder, for another crossfade */
+    assert_int_equal(live_code(&h.c, "playlist.set",
+                               json_pack("{s:s, s:f, s:f}", "folder", h.scene, "seconds", 80000.0,
+                                         "crossfade", 1.0)),
+                     0);
     now = list(&h);
     assert_true(json_object_get(json_array_get(json_object_get(now, "entries"), 1), "zoom"));
     assert_true(json_is_true(json_object_get(now, "playing")));

@@ -100,6 +100,21 @@ static void nothing_is_due_while_the_clock_is_stopped(void **state)
     assert_int_equal(lf_movie_clock_judge(&clock, 1, long_after + 10, NULL), LF_CLOCK_SHOW);
 }
 
+static void a_late_frame_may_begin_anew(void **state)
+{
+    (void)state;
+    lf_movie_clock clock = at(10, 1);
+    const uint64_t due = lf_movie_clock_due(&clock, 5);
+    lf_movie_clock_resume(&clock, 5, due - 10); /* it is in time */
+    assert_int_equal(lf_movie_clock_due(&clock, 5), due);
+    lf_movie_clock_resume(&clock, 5, due + LF_NS_PER_S);
+    assert_int_equal(lf_movie_clock_due(&clock, 5), due + LF_NS_PER_S);
+    lf_movie_clock_pause(&clock, true, due + 2 * LF_NS_PER_S);
+    lf_movie_clock_resume(&clock, 5, due + 9 * LF_NS_PER_S);
+    lf_movie_clock_pause(&clock, false, due + 10 * LF_NS_PER_S);
+    assert_int_equal(lf_movie_clock_due(&clock, 5), due + 10 * LF_NS_PER_S);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -109,6 +124,7 @@ int main(void)
         cmocka_unit_test(the_clock_waits_for_a_slow_decoder),
         cmocka_unit_test(less_than_a_frame_of_lag_moves_no_clock),
         cmocka_unit_test(nothing_is_due_while_the_clock_is_stopped),
+        cmocka_unit_test(a_late_frame_may_begin_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -60,8 +60,21 @@ static void frames_that_nobody_takes_are_dropped_and_the_newest_wins(void **stat
     assert_takes(player, 5);
     const lf_player_status now = status_of(player);
     assert_int_equal(now.due, 6);
-    assert_int_equal(now.taken, 1);
     assert_int_equal(now.dropped, 5);
+    lf_player_destroy(player);
+}
+
+static void a_frame_that_was_taken_stays_as_it_is(void **state)
+{
+    (void)state;
+    lf_player *player = play(movie_make(folder, "v.mp4", 12, 10, MOVIE_LOSSLESS), false);
+    lf_views8 views;
+    assert_true(lf_player_take(player, &views));
+    for (uint64_t k = 1; k < 6; k++) {
+        advance(0.1);
+        (void)await_due(player, k + 1);
+    }
+    assert_int_equal(differences(&views, 0), 0);
     lf_player_destroy(player);
 }
 
@@ -74,7 +87,6 @@ static void late_frames_are_dropped_and_counted(void **state)
     lf_player_status now = await_due(player, 6);
     assert_takes(player, 5);
     now = status_of(player);
-    assert_int_equal(now.taken, 2);
     assert_int_equal(now.dropped, 4);
     /* then it is in time again */
     advance(0.1);
@@ -104,6 +116,119 @@ static void the_last_frame_stays_if_it_plays_once(void **state)
     lf_player_destroy(player);
 }
 
+static void await_end(lf_player *player)
+{
+    for (int i = 0; i < PATIENCE_S * 500 && !status_of(player).ended; i++, nap())
+        ;
+    assert_true(status_of(player).ended);
+}
+
+/* However long it has stood at its end, no frame of the new round is late. */
+static void a_video_that_has_ended_loops_as_soon_as_it_may(void **state)
+{
+    (void)state;
+    lf_player *player = play(movie_make(folder, "v.mp4", 3, 10, MOVIE_LOSSLESS), true);
+    for (int k = 0; k < 3; k++) {
+        (void)await_due(player, (uint64_t)k + 1);
+        assert_takes(player, k);
+        advance(0.1);
+    }
+    await_end(player);
+    const uint64_t dropped = status_of(player).dropped;
+    advance(50);
+    lf_player_set_once(player, false);
+    for (uint64_t k = 3; k < 8; k++) {
+        const lf_player_status now = await_due(player, k + 1);
+        assert_false(now.ended);
+        assert_int_equal(now.frame, k % 3);
+        assert_int_equal(now.rounds, k / 3);
+        assert_takes(player, (int)(k % 3));
+        advance(0.1);
+    }
+    assert_int_equal(status_of(player).dropped, dropped);
+    lf_player_set_once(player, true);
+    for (int i = 0; i < PATIENCE_S * 500 && !status_of(player).ended; i++, nap())
+        advance(0.1);
+    const lf_player_status now = status_of(player);
+    assert_true(now.ended && !now.still);
+    assert_int_equal(now.frame, 2);
+    assert_no_child();
+    lf_player_destroy(player);
+}
+
+/* Its ffmpeg starts more slowly than a round lasts. */
+static void a_short_video_has_one_ffmpeg_for_all_rounds(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"v.mp4", "v.gif"};
+    for (int i = 0; i < 2; i++) {
+        (void)movie_make(folder, "v.mp4", 4, 10, MOVIE_LOSSLESS);
+        movie_run(folder, MOVIE_FFMPEG "-i v.mp4 v.gif");
+        install_counter();
+        lf_player *player = play(lf_test_path(folder, names[i]), false);
+        for (uint64_t k = 0; k < 30; k++) {
+            const lf_player_status now = await_due(player, k + 1);
+            assert_int_equal(now.frame, k % 4);
+            assert_int_equal(now.rounds, k / 4);
+            if (i == 0)
+                assert_takes(player, (int)k % 4);
+            else
+                assert_true(lf_player_take(player, &(lf_views8){0}));
+            advance(0.1);
+        }
+        assert_int_equal(count_starts(), 2);
+        lf_player_destroy(player);
+        uninstall("ffmpeg");
+    }
+}
+
+/* From the second round on its length is known: its end is far when the next ffmpeg starts. */
+static void a_video_of_unknown_length_has_its_next_round_ahead(void **state)
+{
+    (void)state;
+    (void)movie_make(folder, "v.mp4", 12, 10, MOVIE_LOSSLESS);
+    movie_run(folder, MOVIE_FFMPEG "-i v.mp4 -c copy -f matroska - | cat > v.mkv");
+    install_counter();
+    lf_player *player = play(lf_test_path(folder, "v.mkv"), false);
+    lf_assert_close(status_of(player).duration, 0, 0, 0);
+    for (uint64_t k = 0; k < 16; k++) {
+        (void)await_due(player, k + 1);
+        assert_takes(player, (int)k % 12);
+        advance(k < 15 ? 0.1 : 0);
+    }
+    for (int i = 0; i < 10000 && count_starts() < 3; i++)
+        nap();
+    assert_int_equal(count_starts(), 3);
+    assert_int_equal(status_of(player).dropped, 0);
+    lf_player_destroy(player);
+    uninstall("ffmpeg");
+}
+
+/* True if its thread sleeps on. */
+static bool sleeps(void)
+{
+    int before = -1;
+    for (int i = 0; i < 20 && before != atomic_load(&n_waits); i++) {
+        before = atomic_load(&n_waits);
+        for (int k = 0; k < 100; k++)
+            nap();
+    }
+    return before == atomic_load(&n_waits);
+}
+
+static void a_player_without_work_wakes_nobody(void **state)
+{
+    (void)state;
+    lf_player *player = play(movie_make(folder, "v.mp4", 8, 10, MOVIE_LOSSLESS), true);
+    lf_player_pause(player, true);
+    assert_true(sleeps());
+    lf_player_pause(player, false);
+    for (int i = 0; i < PATIENCE_S * 500 && !status_of(player).ended; i++, nap())
+        advance(0.1);
+    assert_true(sleeps());
+    lf_player_destroy(player);
+}
+
 static void a_video_of_one_frame_is_a_picture(void **state)
 {
     (void)state;
@@ -112,6 +237,7 @@ static void a_video_of_one_frame_is_a_picture(void **state)
     advance(3);
     for (int i = 0; i < PATIENCE_S * 500 && !status_of(player).ended; i++, nap())
         ;
+    assert_true(status_of(player).still);
     assert_int_equal(status_of(player).due, 1);
     assert_int_equal(status_of(player).rounds, 1);
     assert_no_child();
@@ -388,8 +514,13 @@ int main(void)
         cmocka_unit_test(frames_come_in_order_and_to_the_byte),
         cmocka_unit_test(a_frame_is_not_shown_before_its_time),
         cmocka_unit_test(frames_that_nobody_takes_are_dropped_and_the_newest_wins),
+        cmocka_unit_test(a_frame_that_was_taken_stays_as_it_is),
         cmocka_unit_test(late_frames_are_dropped_and_counted),
         cmocka_unit_test(the_last_frame_stays_if_it_plays_once),
+        cmocka_unit_test(a_video_that_has_ended_loops_as_soon_as_it_may),
+        cmocka_unit_test(a_short_video_has_one_ffmpeg_for_all_rounds),
+        cmocka_unit_test(a_video_of_unknown_length_has_its_next_round_ahead),
+        cmocka_unit_test(a_player_without_work_wakes_nobody),
         cmocka_unit_test(a_video_of_one_frame_is_a_picture),
         cmocka_unit_test(a_pause_holds_the_frame_and_the_clock),
         cmocka_unit_test(it_may_start_paused),

@@ -87,6 +87,72 @@ static void a_video_alone_loops_and_the_last_one_stays(void **state)
     assert_int_equal(index_of(o), 1);
 }
 
+static bool is_once(const owner *o)
+{
+    return lf_playlist_now(o->list).once;
+}
+
+/* Whether a video loops follows from the list as it is, not as it was when the video was loaded. */
+static void a_video_loops_as_soon_as_nothing_follows_it(void **state)
+{
+    owner *o = *state;
+    set_timeless(o, "vb", true);
+    assert_false(is_once(o));
+    lf_playlist_play(o->list, -1);
+    assert_true(lf_playlist_now(o->list).waits);
+    shows_video(o, "v", true);
+    assert_true(is_once(o) && !lf_playlist_now(o->list).waits);
+    set_timeless(o, "v", true);
+    assert_false(is_once(o));
+    set_timeless(o, "bv", true);
+    assert_true(is_once(o));
+    lf_playlist_change(o->list, 1, 8, NULL); /* a time of its own */
+    assert_false(is_once(o));
+    lf_playlist_change(o->list, 1, 0, NULL);
+    assert_true(is_once(o));
+    lf_playlist_stop(o->list);
+    assert_false(is_once(o));
+    assert_string_equal(asked(o), "");
+}
+
+/* Its last frame stays, until something else is wanted. */
+static void the_last_video_of_a_list_that_has_ended_holds(void **state)
+{
+    owner *o = *state;
+    set_timeless(o, "v", false);
+    lf_playlist_play(o->list, -1);
+    shows_video(o, "v", true);
+    play_through(o);
+    assert_false(is_playing(o));
+    assert_true(is_once(o));
+    lf_playlist_stop(o->list);
+    assert_false(is_once(o));
+}
+
+/* Such as a GIF that does not move: it has the list's seconds, from when it was shown. */
+static void a_video_of_one_frame_is_shown_as_a_picture(void **state)
+{
+    owner *o = *state;
+    set_timeless(o, "gb", true);
+    lf_playlist_play(o->list, -1);
+    shows_video(o, "g", true);
+    assert_true(timer() < 0);
+    clock_now += 1;
+    lf_playlist_still(o->list, o->generation - 1); /* the one before */
+    play_through(o);
+    shows(o, "b");
+    wait_for(o, 30);
+    shows_video(o, "g", true);
+    clock_now += 1;
+    for (int i = 0; i < 2; i++) {
+        lf_playlist_still(o->list, o->generation);
+        play_through(o);
+        assert_string_equal(asked(o), "");
+    }
+    wait_for(o, 29);
+    assert_string_equal(asked(o), "b");
+}
+
 static void what_a_video_before_did_does_not_count(void **state)
 {
     owner *o = *state;
@@ -288,6 +354,9 @@ int main(void)
         list_test(without_a_time_a_video_plays_through_and_others_have_the_lists),
         list_test(a_video_with_a_time_is_shown_for_it),
         list_test(a_video_alone_loops_and_the_last_one_stays),
+        list_test(a_video_loops_as_soon_as_nothing_follows_it),
+        list_test(the_last_video_of_a_list_that_has_ended_holds),
+        list_test(a_video_of_one_frame_is_shown_as_a_picture),
         list_test(what_a_video_before_did_does_not_count),
         list_test(videos_that_fail_are_skipped),
         list_test(a_video_is_loaded_again_if_all_others_fail),

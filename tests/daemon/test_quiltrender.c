@@ -102,6 +102,7 @@ static const struct {
     {"%Q -o %D/x.png --rgbd right", "is a finished image without depth"},
     {"%S -o %D/x.png --skip all,none", "all, none or some of"},
     {"%Q -o %D/x.png --view-size 4x4", "--view-size: cannot be combined with a finished quilt"},
+    {"%Q -o %D/x.png --preset portrait", "if the image has depth next to it, add --rgbd-in"},
     {"%Q -o %D/x.png --spp 64", "--spp: cannot be combined with a finished quilt"},
     {"%Q -o %D/x.png --reconstruct on", "--reconstruct: cannot be combined with a finished quilt"},
     {"%Q -o %D/x.png --threads 1 --estimator cv",

@@ -8,6 +8,7 @@ const KINDS = [
   ["video", /\.(mp4|m4v|mov|webm|mkv|avi|gif)$/i],
   ["image", /\.(png|jpe?g)$/i],
 ];
+const RGBD = /_rgbd\.\w+$/i;
 const QUILT = /_qs(\d+)x(\d+)(?:a[\d.]+)?\.\w+$/i;
 
 /** model, volume, environment, scene, quilt, video, image or undefined: a file that belongs to another. */
@@ -15,6 +16,9 @@ export function kindOf(name) {
   const kind = KINDS.find(([, ending]) => ending.test(name))?.[0];
   return QUILT.test(name) && kind !== "scene" && kind !== "video" ? "quilt" : kind;
 }
+
+/** Whether a name says what is in a picture or video: tiles, or depth at its right. */
+export const saysAll = (name) => QUILT.test(name) || RGBD.test(name);
 
 /** The file that the others belong to: a scene, else a model, and so on. */
 export function mainOf(names) {

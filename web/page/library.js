@@ -1,7 +1,7 @@
 // The tab Library: folders that quiltd may read, and files of this computer.
 
 import { at, button, heading, make } from "./dom.js";
-import { environmentPatch, kindOf, mainOf, mayName, notesOn, tilesOf } from "./files.js";
+import { environmentPatch, kindOf, mainOf, mayName, notesOn, saysAll, tilesOf } from "./files.js";
 import { patiently } from "./patiently.js";
 import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
@@ -85,7 +85,7 @@ export class Library {
         make(
           "p",
           { class: "hint" },
-          "Drop models, volumes, light, quilts or photos onto the page, with the files that belong to them.",
+          "Drop models, volumes, light, quilts, photos or videos onto the page, with the files that belong to them.",
         ),
         make("label", { class: "file", for: "files" }, "Choose files"),
         this.picker,
@@ -212,7 +212,8 @@ export class Library {
    */
   async #plan(name, kind) {
     if (kind === "environment") return this.#planLight(name);
-    return kind === "image" ? this.#planImage(name) : {};
+    const asks = (kind === "image" || kind === "video") && !saysAll(name);
+    return asks ? this.#planImage(name, kind === "video" ? "Video" : "Photo") : {};
   }
 
   async #planLight(name) {
@@ -222,7 +223,7 @@ export class Library {
     return answer === "Cancel" ? undefined : { light: true };
   }
 
-  async #planImage(name) {
+  async #planImage(name, word) {
     const tiles = make("input", {
       type: "text",
       class: "text",
@@ -231,11 +232,12 @@ export class Library {
     });
     const answer = await this.#ask(
       `What is ${name}?`,
-      ["Photo", "Quilt of these tiles", "Cancel"],
+      [word, `${word} with depth at its right`, "Quilt of these tiles", "Cancel"],
       tiles,
     );
     if (answer === 0) return { quilt: "1x1" };
-    if (answer === 2) return undefined;
+    if (answer === 1) return { rgbd_in: "right" };
+    if (answer === 3) return undefined;
     const quilt = tilesOf(tiles.value);
     if (!quilt)
       this.#fail({ message: `${name}: the tiles of a quilt are columns x rows, such as 8x6.` });

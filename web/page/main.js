@@ -213,7 +213,8 @@ class Page {
     at("scene").textContent = `${waits ? "loading " : ""}${fileName(status.scene)}`;
     at("scene").title = status.scene ?? "";
     at("pause").setAttribute("aria-pressed", String(Boolean(settings.paused)));
-    for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
+    at("fit").disabled = !status.scene || status.is_quilt;
+    at("pause").disabled = !status.scene || (status.is_quilt && !status.video);
     notify("scene", status.error?.message);
     for (const part of [this.stage, this.picture, this.slideshow, this.exports, this.health])
       part.status(status, settings, left);

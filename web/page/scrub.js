@@ -12,7 +12,7 @@ export const freshGroup = () => `gesture-${Date.now()}-${++groups}`;
  * @param label words for assistive technology
  * @param range see numbers.js
  * @param commit called with a value and the group of the gesture
- * @returns {element, set}
+ * @returns {element, set}; undefined stands for no value
  */
 export function scrub({ label, range, commit }) {
   let value = 0,
@@ -31,8 +31,9 @@ export function scrub({ label, range, commit }) {
   });
   const show = () => {
     if (typing) return;
-    input.value = format(value);
-    input.setAttribute("aria-valuenow", String(value));
+    input.value = value === undefined ? "" : format(value);
+    if (value === undefined) input.removeAttribute("aria-valuenow");
+    else input.setAttribute("aria-valuenow", String(value));
   };
   const change = (next, group) => {
     if (next === value) return;
@@ -50,7 +51,7 @@ export function scrub({ label, range, commit }) {
   });
   input.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || typing) return;
-    drag = { x: event.clientX, from: value, moved: false, group: freshGroup() };
+    drag = { x: event.clientX, from: value ?? range.minimum, moved: false, group: freshGroup() };
     input.setPointerCapture(event.pointerId);
   });
   input.addEventListener("pointermove", (event) => {
@@ -90,7 +91,7 @@ export function scrub({ label, range, commit }) {
     if (!way) return;
     take();
     keys ??= freshGroup();
-    change(nudged(value, way * (event.shiftKey ? 10 : 1), range), keys);
+    change(nudged(value ?? range.minimum, way * (event.shiftKey ? 10 : 1), range), keys);
     show();
     event.preventDefault();
   });

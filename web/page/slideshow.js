@@ -1,6 +1,7 @@
 // The tab Slideshow: scenes, models, quilts and videos that follow each other.
 
 import { button, heading, labelled, make } from "./dom.js";
+import { kindOf } from "./files.js";
 import { scrub } from "./scrub.js";
 import { fileName } from "./words.js";
 
@@ -26,7 +27,7 @@ export class Slideshow {
     this.#fail = fail;
     this.rows = make("ol", { id: "slides", class: "slides" });
     this.loop = make("input", { type: "checkbox", id: "loop" });
-    this.loop.addEventListener("change", () => this.#set(this.#list.entries));
+    this.loop.addEventListener("change", () => this.#setHow());
     this.play = button(
       "Play",
       () => this.#call(this.#list.playing ? "playlist.stop" : "playlist.play"),
@@ -44,7 +45,7 @@ export class Slideshow {
     });
     settled(
       this.fade,
-      () => this.#list.crossfade !== this.#told && this.#set(this.#list.entries),
+      () => this.#list.crossfade !== this.#told && this.#setHow(),
     );
     this.now = make("p", { class: "hint", role: "status" });
     this.empty = make(
@@ -113,8 +114,14 @@ export class Slideshow {
   }
 
   #set(entries) {
-    const { seconds, crossfade } = this.#list;
-    return this.#call("playlist.set", { entries, loop: this.loop.checked, seconds, crossfade });
+    return this.#setHow({ entries });
+  }
+
+  // The same entries otherwise; a folder stays one, which quiltd reads again.
+  #setHow(source) {
+    const { folder, entries, seconds, crossfade } = this.#list;
+    const what = source ?? (folder ? { folder } : { entries });
+    return this.#call("playlist.set", { ...what, loop: this.loop.checked, seconds, crossfade });
   }
 
   #show(list) {
@@ -149,8 +156,15 @@ export class Slideshow {
       range: SECONDS,
       commit: (value) => (entries[i] = { ...entries[i], seconds: value }),
     });
-    time.set(seconds ?? this.#list.seconds);
-    settled(time, () => entries[i].seconds !== seconds && this.#set(entries));
+    const once = seconds === undefined && kindOf(name) === "video";
+    time.set(once ? undefined : (seconds ?? this.#list.seconds));
+    if (once) time.element.placeholder = "once";
+    settled(
+      time,
+      () =>
+        entries[i].seconds !== seconds &&
+        this.#call("playlist.change", { index: i, seconds: entries[i].seconds }),
+    );
     const move = (text, words, to) =>
       button(text, () => this.#move(i, to, text), {
         class: "quiet",

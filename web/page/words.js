@@ -36,6 +36,13 @@ function levelText(status) {
   return status.scene ? "waiting for the first image" : "no scene";
 }
 
+// How far a video is.
+function videoText({ seconds, duration, frame, paused, problem }) {
+  const length = duration ? ` of ${duration.toFixed(1)}` : "";
+  const state = problem ? ["stopped"] : paused ? ["paused"] : [];
+  return ["video", `${seconds.toFixed(1)}${length} s`, `frame ${frame}`, ...state].join(" · ");
+}
+
 /**
  * A line on how far the image is.
  * @param status result of the method status
@@ -44,6 +51,7 @@ function levelText(status) {
  */
 export function describe(status, left, waits) {
   if (status.is_quilt && waits) return "waiting for the first image";
+  if (status.video) return `${videoText(status.video)} · ${count(status.views, "view")}`;
   if (status.is_quilt) return `finished image · ${count(status.views, "view")}`;
   const level = levelText(status);
   if (status.level === "none") return level;

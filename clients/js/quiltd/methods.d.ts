@@ -169,7 +169,7 @@ export interface Calls {
       "estimator"?: string;
       /** error at which rendering stops; 0: never [relMSE] */
       "target_error"?: number;
-      /** true: rendering is paused */
+      /** true: rendering is paused; of a video: it holds the current frame */
       "paused"?: boolean;
       /** true: what is too near or too far is tinted */
       "guides"?: boolean;
@@ -1254,7 +1254,7 @@ export interface Calls {
   /** set how to render; other settings keep their values */
   "render.set": {
     params: {
-      /** stop rendering, or continue */
+      /** stop rendering, or hold the frame of a video, or continue */
       "paused"?: boolean;
       /** how views share light paths; another one starts the image again */
       "integrator"?: "mvpt" | "vpt" | "amvpt";

@@ -36,7 +36,7 @@ static lf_status refuse_text(const char *path, const char *text, const json_erro
     if (text[strspn(text, " \t\r\n")] != '{')
         return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL,
                                "expected a scene (a JSON object), an image, a mesh (.glb, .gltf, "
-                               ".obj, .ply, .stl, .3ds) or a volume (.vdb)");
+                               ".obj, .ply, .stl, .3ds), a volume (.vdb) or, in quiltd, a video");
     return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL, "%s (column %d)",
                            problem->text, problem->column);
 }

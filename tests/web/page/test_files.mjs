@@ -1,7 +1,7 @@
 // What files are by their names.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { environmentPatch, kindOf, mainOf, mayName, notesOn, safePath, tilesOf } from "../../../web/page/files.js";
+import { environmentPatch, kindOf, mainOf, mayName, notesOn, safePath, saysAll, tilesOf } from "../../../web/page/files.js";
 import { merge } from "../../../web/page/patch.js";
 
 test("names have kinds", () => {
@@ -75,4 +75,11 @@ test("a texture that no model names is told; one that is named is not", () => {
   assert.deepEqual(notesOn(["a.gltf", "my wood.png"], "a.gltf", ['"my%20wood.png"']), []);
   assert.deepEqual(notesOn(names, "a.obj", undefined), []);
   assert.ok(mayName("A.MTL") && !mayName("a.png"));
+});
+
+test("a name says tiles or depth, or nothing", () => {
+  for (const name of ["a_qs8x6a0.75.png", "a_rgbd.png", "A_RGBD.MP4", "t_qs3x2.mp4"])
+    assert.ok(saysAll(name), name);
+  for (const name of ["a.png", "a_rgbd.png.jpg", "rgbd.png", "turn.mp4", "a_rgbd2.png"])
+    assert.ok(!saysAll(name), name);
 });

@@ -47,6 +47,16 @@ test("a line says what is waited for", () => {
   assert.match(describe({ ...status, level: "complete", load }), /^loading next\.obj/);
   assert.match(describe({ ...status, level: "complete", load: { kind: "orbit", file: null } }), /^complete/);
   assert.equal(describe({ is_quilt: true, views: 1 }), "finished image · 1 view");
+  const video = { seconds: 3.23, duration: 10, frame: 97, paused: true, problem: null };
+  assert.equal(
+    describe({ is_quilt: true, views: 48, video }),
+    "video · 3.2 of 10.0 s · frame 97 · paused · 48 views",
+  );
+  const stopped = { ...video, duration: null, problem: "broken" };
+  assert.equal(
+    describe({ is_quilt: true, views: 48, video: stopped }),
+    "video · 3.2 s · frame 97 · stopped · 48 views",
+  );
   assert.equal(describe({ is_quilt: true, views: 1 }, "", true), "waiting for the first image");
 });
 
