@@ -300,7 +300,7 @@ static void a_variable_rate_becomes_a_steady_one(void **state)
     while (!status_of(player).ended) {
         lf_views8 views;
         if (!lf_player_take(player, &views)) {
-            advance(0.01);
+            advance(0.002); /* not faster than the player's own waits */
             nap();
             continue;
         }
