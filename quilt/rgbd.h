@@ -103,8 +103,8 @@ double lf_rgbd_camera(const lf_rgbd *rgbd, int view, int n_views);
  * in widths of the view and not included). */
 double lf_rgbd_shift(const lf_rgbd *rgbd, int view, int n_views, double code);
 
-/* The largest shift of any code between neighbouring views, with focus, in widths of the picture; 0
- * for one view. */
+/* The largest shift of any code from the cutoff to 1 between neighbouring views, with focus, in
+ * widths of the picture; 0 for one view. */
 double lf_rgbd_step(const lf_rgbd *rgbd, int n_views);
 
 /* A packed picture with both halves, 8 bits, display encoded. Borrowed. */

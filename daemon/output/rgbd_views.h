@@ -18,7 +18,12 @@ LF_NODISCARD lf_status lf_rgbd_draw(const lf_rgbd_file *file, const char *name,
  * pixels than the print shows. print: checked. */
 lf_layout lf_rgbd_print_layout(const lf_rgbd_file *file, const lf_print *print);
 /* Makes the depth of unknown geometry so flat that at depthiness 1 no point moves by more than a
- * lens from view to view. Returns the largest shift in lenses, with depthiness and focus. */
+ * lens from view to view. Known geometry stays. Returns the largest shift in lenses, with
+ * depthiness and focus. */
 double lf_rgbd_print_depth(lf_rgbd_file *file, const lf_print *print);
+/* What to say of a shift of more than one lens: one line with a remedy. depthiness: as given.
+ * Returns buf. */
+char *lf_rgbd_print_words(const lf_rgbd *rgbd, double depthiness, double shift, char *buf,
+                          size_t size);
 
 #endif
