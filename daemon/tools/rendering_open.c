@@ -132,7 +132,9 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return status;
     if (a->kind->needs_panel)
         lf_photo_cut(&photo, &r->quilt);
-    status = lf_quilt_stand(&o->standing, a->scene, &r->quilt, NULL, err);
+    lf_standing standing = o->standing;
+    standing.on_paper = photo.on_paper;
+    status = lf_quilt_stand(&standing, a->scene, &r->quilt, NULL, err);
     if (status != LF_OK)
         return status;
     lf_log_notes(&r->quilt.notes, a->scene);

@@ -69,6 +69,7 @@ lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err
     if (a->options.has_exposure)
         return lf_error_set(err, LF_E_ARG, "--exposure",
                             "cannot be combined with a finished 8-bit image; use an EXR file");
+    photo.on_paper = is_print;
     if (a->kind->needs_panel)
         photo.frame = (double)r->calibration.screen_width_px / r->calibration.screen_height_px;
     else if (is_print)

@@ -270,6 +270,56 @@ static void a_quilt_records_how_it_stands(void **state)
     assert_false(has_attribute(path, "quiltd.focus", "0"));
 }
 
+/* A little-endian number of the TIFF. */
+static uint32_t number_at(const char *tiff, size_t at, int n)
+{
+    uint32_t value = 0;
+    for (int i = 0; i < n; i++)
+        value |= (uint32_t)(uint8_t)tiff[at + (size_t)i] << 8 * i;
+    return value;
+}
+
+/* The codes of the first pixel of an uncompressed TIFF. */
+static void first_pixel(const char *path, uint8_t out[3])
+{
+    char *tiff;
+    size_t size;
+    lf_error err;
+    lf_assert_ok(lf_file_read(path, NULL, 1 << 24, &tiff, &size, &err), &err);
+    const uint32_t folder = number_at(tiff, 4, 4);
+    for (uint32_t i = 0; i < number_at(tiff, folder, 2); i++) {
+        const size_t entry = folder + 2 + 12 * i;
+        if (number_at(tiff, entry, 2) != 273) /* StripOffsets */
+            continue;
+        uint32_t at = number_at(tiff, entry + 8, 4);
+        if (number_at(tiff, entry + 4, 4) > 1)
+            at = number_at(tiff, at, 4);
+        assert_true(at + 3 <= size);
+        memcpy(out, tiff + at, 3);
+    }
+    lf_free(tiff);
+}
+
+static void paper_is_white_around_a_smaller_picture(void **state)
+{
+    const qr_files *f = *state;
+    const char *d = f->folder;
+    char photo[PATH_MAX];
+    snprintf(photo, sizeof photo, "%s/photo_rgbd.png", d);
+    const char *const pictures[] = {photo, f->quilt};
+    const double zooms[] = {0.5, 1};
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++) {
+            uint8_t corner[3] = {1, 2, 3};
+            qr_succeed("%s -o %s/paper.tif --print 60@300 --print-size 30x20 --compress none "
+                       "--zoom %g",
+                       pictures[i], d, zooms[k]);
+            first_pixel(lf_test_path(d, "paper.tif"), corner);
+            const bool is_white = corner[0] == 255 && corner[1] == 255 && corner[2] == 255;
+            assert_int_equal(is_white, k == 0);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -279,6 +329,7 @@ int main(void)
         cmocka_unit_test(a_deep_print_is_told_and_recorded),
         cmocka_unit_test(a_print_of_a_photo_is_sharp_unless_asked),
         cmocka_unit_test(a_quilt_records_how_it_stands),
+        cmocka_unit_test(paper_is_white_around_a_smaller_picture),
     };
     return cmocka_run_group_tests(tests, set_up, qr_tear_down);
 }
