@@ -6,7 +6,7 @@
 
 #include "daemon/output/rgbd_views.h"
 
-/* --------------------------------------------------------------------------------- pictures -- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 enum { WIDE = 60, HIGH = 40 };
 
@@ -52,7 +52,7 @@ static int set_up(void **state)
     return result;
 }
 
-/* ------------------------------------------------------------------------------------ depth -- */
+/* ------------------------------------------------------------------------------------- depth -- */
 
 static lf_rgbd_file open_picture(const char *folder, const char *name, const lf_standing *standing)
 {
@@ -142,7 +142,7 @@ static void the_words_have_a_depthiness_that_fits(void **state)
     assert_non_null(strstr(words, "use less --depthiness or --focus"));
 }
 
-/* ---------------------------------------------------------------------------------- records -- */
+/* ----------------------------------------------------------------------------------- records -- */
 
 static double number(const json_t *settings, const char *key)
 {
