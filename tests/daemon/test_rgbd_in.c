@@ -4,6 +4,7 @@
 
 #include <sys/stat.h>
 
+#include "daemon/tools/batch_words.h"
 #include "quilt/rgbd.h"
 
 /* -------------------------------------------------------------------------- the way and back -- */
@@ -327,6 +328,22 @@ static void a_batch_tells_the_same_once(void **state)
     assert_int_equal(qr_count_files(lf_test_path(d, "sheets")), 20);
 }
 
+static void lines_that_differ_in_numbers_are_one(void **state)
+{
+    (void)state;
+    static lf_batch_words words = {.image = "a.png", .number = 1};
+    lf_batch_words_take(&words, LF_LOG_WARNING, "a.png: 60x80 by 2.95");
+    words.image = "b12.png";
+    words.number = 2;
+    for (int i = 0; i < 2; i++)
+        lf_batch_words_take(&words, LF_LOG_WARNING, "b12.png: 6x8 by .5");
+    assert_int_equal(words.n, 1);
+    assert_int_equal(words.word[0].n_images, 2);
+    assert_string_equal(words.word[0].first, "a.png: 60x80 by 2.95");
+    lf_batch_words_take(&words, LF_LOG_WARNING, "b12.png: 6 by .5");
+    assert_int_equal(words.n, 2);
+}
+
 static void a_batch_keeps_only_quilts_of_its_tiles(void **state)
 {
     const qr_files *f = *state;
@@ -377,6 +394,7 @@ int main(void)
         cmocka_unit_test(a_folder_is_a_batch),
         cmocka_unit_test(a_batch_needs_two_folders),
         cmocka_unit_test(a_batch_tells_the_same_once),
+        cmocka_unit_test(lines_that_differ_in_numbers_are_one),
         cmocka_unit_test(a_batch_keeps_only_quilts_of_its_tiles),
         cmocka_unit_test(hundreds_of_images_are_a_batch),
     };
