@@ -16,6 +16,7 @@ json_t *lf_server_device_json(const lf_server *server)
 {
     lf_device_info info;
     bool present = lf_show_info(server->show, &info);
+    lf_server_loan_tell(server, &info);
     json_t *told = info_json(&info);
     json_object_set_new(told, "present", json_boolean(present));
     json_object_set_new(told, "response", lf_param_json(lf_response_params, &server->response));

@@ -57,6 +57,7 @@ static json_t *status_json(const lf_server *server)
 {
     lf_device_info info;
     const bool present = lf_show_info(server->show, &info);
+    lf_server_loan_tell(server, &info);
     return json_pack("{s:s, s:{s:s, s:s, s:b}}", "state", lf_server_state_name(server), "device",
                      "spec", info.spec, "problem", info.problem, "present", present);
 }

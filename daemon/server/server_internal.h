@@ -187,6 +187,8 @@ LF_NODISCARD lf_status lf_server_loan_begin(lf_server *server, uint64_t client, 
 /* The client has left: the panel is opened again, unless another device was chosen meanwhile. If it
  * cannot be opened, that is tried again every 5 s. */
 void lf_server_loan_end_of(lf_server *server, uint64_t client);
+/* Says in `problem` of the open device that the panel is lent, if it is. */
+void lf_server_loan_tell(const lf_server *server, lf_device_info *info);
 /* An event of the show: lf_show_open with &server->life.loan as its answer has ended. */
 void lf_server_loan_opened(lf_server *server, const lf_error *err);
 /* The panel does not come back: another device was chosen, or the daemon ends. */

@@ -1,4 +1,5 @@
 /* A lent panel: closed for a client's programs, and opened again when the client leaves. */
+#include <stdio.h>
 #include <time.h>
 
 #include "base/alloc.h"
@@ -28,7 +29,18 @@ lf_status lf_server_loan_begin(lf_server *server, uint64_t client, lf_error *err
     }
     loan->spec = lf_strdup(lf_show_wanted(server->show));
     loan->failed = false;
+    if (loan->spec)
+        lf_log(LF_LOG_INFO, "%s: is lent to a client, such as quiltweb --panel-only, until it ends",
+               loan->spec);
     return loan->spec ? LF_OK : lf_error_set(err, LF_E_NOMEM, "device.set", "out of memory");
+}
+
+void lf_server_loan_tell(const lf_server *server, lf_device_info *info)
+{
+    const lf_loan *loan = &server->life.loan;
+    if (loan->spec && loan->client != 0)
+        snprintf(info->problem, sizeof info->problem,
+                 "the panel is lent to a client, such as quiltweb --panel-only, until it ends");
 }
 
 static int on_again(sd_event_source *source, uint64_t usec, void *context)

@@ -22,8 +22,8 @@ static void run_version(lf_bridge_call *call)
 }
 
 static const lf_bridge_endpoint endpoints[] = {
-    {.name = "bridge_version", .run = run_version, .alone = true},
-    {.name = "api_version", .run = run_version, .alone = true},
+    {.name = "bridge_version", .run = run_version, .alone = true, .at_once = true},
+    {.name = "api_version", .run = run_version, .alone = true, .at_once = true},
     {.name = "enter_orchestration", .run = lf_bridge_run_enter, .alone = true},
     {.name = "exit_orchestration", .run = lf_bridge_run_exit},
     {.name = "available_output_devices", .run = lf_bridge_run_devices, .alone = true},
@@ -114,11 +114,19 @@ json_t *lf_bridge_event(const char *token, json_t *event)
                         "Completion");
 }
 
+/* bridge.js takes each member of the payload of available_output_devices for a panel. */
 static json_t *make_failure(const char *endpoint, const char *token, const char *why)
 {
-    json_t *message = json_pack("{s:o}", "message", lf_bridge_text("message", why));
-    return make_message(endpoint, token, lf_bridge_value("payload", "VARIANT_MAP", message),
-                        "Failure");
+    const bool lists = strcmp(endpoint, "available_output_devices") == 0;
+    json_t *message = lf_bridge_text("message", why), *payload = json_object();
+    if (!lists)
+        json_object_set(payload, "message", message);
+    json_t *reply = make_message(endpoint, token,
+                                 lf_bridge_value("payload", "VARIANT_MAP", payload), "Failure");
+    if (lists)
+        json_object_set(reply, "message", message);
+    json_decref(message);
+    return reply;
 }
 
 const char *lf_bridge_param(const lf_bridge_call *call, const char *name)
@@ -215,22 +223,54 @@ void lf_bridge_pend(lf_bridge_call *call)
     end(call, make_message(call->endpoint->name, token_of(call), NULL, "Pending"));
 }
 
-/* The same words are logged once. */
-static void log_failure(lf_bridge *bridge, const char *endpoint, const char *why)
+static void be_quiet(const lf_bridge *bridge)
 {
-    char text[sizeof bridge->last_failure];
+    sd_event_source_set_time_relative(bridge->last_failure.quiet,
+                                      LF_BRIDGE_QUIET_S * (uint64_t)1000000);
+    sd_event_source_set_enabled(bridge->last_failure.quiet, SD_EVENT_ONESHOT);
+}
+
+static void log_more(lf_bridge *bridge)
+{
+    const int more = bridge->last_failure.more;
+    if (more > 0)
+        lf_log(LF_LOG_WARNING, "%s (%d more time%s)", bridge->last_failure.text, more,
+               more > 1 ? "s" : "");
+    bridge->last_failure.more = 0;
+}
+
+static int on_quiet(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    lf_bridge *bridge = context;
+    if (bridge->last_failure.more > 0)
+        be_quiet(bridge);
+    else
+        bridge->last_failure.text[0] = '\0';
+    log_more(bridge);
+    return 0;
+}
+
+void lf_bridge_log_failure(lf_bridge *bridge, const char *endpoint, const char *why)
+{
+    char text[sizeof bridge->last_failure.text];
     bridge->failures++;
     snprintf(text, sizeof text, "bridge: %s: %s", endpoint, why);
-    if (strcmp(text, bridge->last_failure) == 0)
+    if (strcmp(text, bridge->last_failure.text) == 0) {
+        bridge->last_failure.more++;
         return;
-    memcpy(bridge->last_failure, text, sizeof text);
+    }
+    log_more(bridge);
     lf_log(LF_LOG_WARNING, "%s", text);
+    memcpy(bridge->last_failure.text, text, sizeof text);
+    be_quiet(bridge);
 }
 
 json_t *lf_bridge_failure(lf_bridge *bridge, const char *endpoint, const char *why)
 {
     bridge->requests++;
-    log_failure(bridge, endpoint, why);
+    lf_bridge_log_failure(bridge, endpoint, why);
     return make_failure(endpoint, "", why);
 }
 
@@ -243,7 +283,7 @@ void lf_bridge_fail(lf_bridge_call *call, const char *fmt, ...)
     vsnprintf(text, sizeof text, fmt, arguments);
     va_end(arguments);
     (void)lf_error_set(&said, LF_E_STATE, "", "%s", text); /* escaped */
-    log_failure(call->bridge, call->endpoint->name, said.what);
+    lf_bridge_log_failure(call->bridge, call->endpoint->name, said.what);
     end(call, make_failure(call->endpoint->name, token_of(call), said.what));
 }
 
@@ -280,8 +320,12 @@ lf_status lf_bridge_begin(lf_bridge *bridge, const char *endpoint, json_t *body,
     bridge->requests++;
     while (*at)
         at = &(*at)->next;
-    *at = call;
-    run_next(bridge);
+    if (call->endpoint->at_once || !call->endpoint->run) {
+        run(call);
+    } else {
+        *at = call;
+        run_next(bridge);
+    }
     call->beginning = false;
     *out = call;
     return LF_OK;
@@ -361,7 +405,10 @@ lf_status lf_bridge_create(const lf_bridge_config *config, lf_bridge **out, lf_e
     if (status == LF_OK &&
         (sd_event_add_time_relative(config->event, &bridge->patience, CLOCK_MONOTONIC, 0, 0,
                                     lf_bridge_show_patience, bridge) < 0 ||
-         sd_event_source_set_enabled(bridge->patience, SD_EVENT_OFF) < 0))
+         sd_event_source_set_enabled(bridge->patience, SD_EVENT_OFF) < 0 ||
+         sd_event_add_time_relative(config->event, &bridge->last_failure.quiet, CLOCK_MONOTONIC, 0,
+                                    0, on_quiet, bridge) < 0 ||
+         sd_event_source_set_enabled(bridge->last_failure.quiet, SD_EVENT_OFF) < 0))
         status = lf_error_set(err, LF_E_NOMEM, "bridge", "out of memory");
     if (status == LF_OK)
         *out = bridge;
@@ -385,6 +432,7 @@ void lf_bridge_destroy(lf_bridge *bridge)
         free_call(call);
     }
     sd_event_source_disable_unref(bridge->patience);
+    sd_event_source_disable_unref(bridge->last_failure.quiet);
     json_decref(bridge->shown.files);
     json_decref(bridge->shown.tags);
     lf_bridge_lists_destroy(bridge->lists);

@@ -3,8 +3,10 @@
  *
  * A request is an endpoint and a JSON object; the reply is a JSON object whose status.value is
  * "Completion", "Pending" or "Failure". Completion is only said once quiltd has done it. What
- * failed is said in words in payload.value.message.value, and in the log. Requests that need quiltd
- * are done one after another. Thread: event. */
+ * failed is said in words in payload.value.message.value, and in the log. So is an entry that
+ * quiltd skips. (bridge.js reads all members of the payload of available_output_devices as panels:
+ * there the words are in message.value of the reply.) Requests are done one after another; versions
+ * and what can never be done are answered at once. Thread: event. */
 #ifndef LF_DAEMON_WEB_BRIDGE_H
 #define LF_DAEMON_WEB_BRIDGE_H
 
@@ -16,8 +18,10 @@
 #include "daemon/web/panel_only.h"
 
 #define LF_BRIDGE_VERSION "2.6.3"
-/* Time for quiltd to load what play_playlist shows; then the reply is Pending. */
+/* Time for quiltd to load what is to be shown; then the reply is Pending. */
 #define LF_BRIDGE_SHOW_S 20u
+/* The same failure is logged again after this time. */
+#define LF_BRIDGE_QUIET_S 10u
 /* Within this time every request has its reply. */
 #define LF_BRIDGE_PATIENCE_S 60u
 

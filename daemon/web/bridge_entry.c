@@ -171,10 +171,16 @@ static void copy(json_t *entry, const json_t *said, const char *key)
         json_object_set(entry, key, value);
 }
 
-static void set_switch(json_t *entry, const json_t *said, const char *key)
+static lf_status set_switch(json_t *entry, const json_t *said, const char *key, lf_error *err)
 {
-    if (json_object_get(said, key))
-        json_object_set_new(entry, key, json_string(number_of(said, key) != 0 ? "on" : "off"));
+    const json_t *value = json_object_get(said, key);
+    int on = 0;
+    if (!value)
+        return LF_OK;
+    if (!lf_bridge_whole(value, &on) || on < 0 || on > 1)
+        return lf_error_set(err, LF_E_ARG, key, "expects 0 or 1");
+    json_object_set_new(entry, key, json_string(on ? "on" : "off"));
+    return LF_OK;
 }
 
 static lf_status set_depth(json_t *entry, const json_t *said, lf_error *err)
@@ -189,10 +195,9 @@ static lf_status set_depth(json_t *entry, const json_t *said, lf_error *err)
     json_object_set_new(entry, "rgbd_in", json_string(sides[side]));
     json_object_set_new(entry, "depthiness",
                         json_real(depthiness ? json_number_value(depthiness) : DEPTHINESS));
-    set_switch(entry, said, "depth_inversion");
-    set_switch(entry, said, "chroma_depth");
     copy(entry, said, "depth_cutoff");
-    return LF_OK;
+    lf_status status = set_switch(entry, said, "depth_inversion", err);
+    return status == LF_OK ? set_switch(entry, said, "chroma_depth", err) : status;
 }
 
 static lf_status set_quilt(json_t *entry, const json_t *said, lf_error *err)

@@ -24,6 +24,7 @@ typedef struct lf_bridge_endpoint {
     const char *event;  /* that follows (lf_bridge_show_tell); NULL: none */
     const char *method; /* of quiltd, for endpoints that are one call */
     bool alone;         /* it needs no orchestration */
+    bool at_once;       /* it needs no quiltd, and changes nothing */
     bool shows;         /* it needs a panel that is quiltd's */
 } lf_bridge_endpoint;
 
@@ -41,6 +42,10 @@ struct lf_bridge_call {
     lf_orchestration *orchestration;
     lf_bridge_list *list;
     int index;                   /* of an entry */
+    int current;                 /* the entry on the panel, before it */
+    uint64_t scenes;             /* of lf_bridge, before it */
+    bool is_exact;               /* no other entry than `index` is waited for */
+    bool shows_again;            /* what is changed is seen */
     json_t *kept, *said, *entry; /* NULL: nothing */
 };
 
@@ -64,17 +69,25 @@ struct lf_bridge {
     sd_event_source *patience; /* of the waiting one */
     lf_bridge_shown shown;
     char on_panel[4096]; /* file that quiltd has shown last */
+    uint64_t scenes;     /* that quiltd has shown */
     char reason[256];    /* why quiltd has skipped an entry last */
     bool has_panel, knows_panel;
     bool measures_panel; /* its size is asked for, for Monitor Connect */
     uint64_t requests, failures;
-    char last_failure[320]; /* in the log */
+    struct {
+        char text[320];
+        int more;               /* the same, which were not logged */
+        sd_event_source *quiet; /* on: they are not */
+    } last_failure;
 };
 
 /* bridge.c */
 /* Asks quiltd; `then` follows. params: taken. */
 void lf_bridge_ask(lf_bridge_call *call, const char *method, json_t *params,
                    lf_bridge_then_fn then);
+/* Counts a failure, and logs it. Of the same words within LF_BRIDGE_QUIET_S the number is logged at
+ * its end. */
+void lf_bridge_log_failure(lf_bridge *bridge, const char *endpoint, const char *why);
 /* Both end the call. payload: taken; NULL: none. */
 void lf_bridge_complete(lf_bridge_call *call, json_t *payload);
 void lf_bridge_fail(lf_bridge_call *call, const char *fmt, ...) LF_PRINTF(2, 3);
@@ -106,6 +119,12 @@ void lf_bridge_run_transport(lf_bridge_call *call);
 void lf_bridge_run_pause(lf_bridge_call *call);
 void lf_bridge_run_resume(lf_bridge_call *call);
 void lf_bridge_run_seek(lf_bridge_call *call);
+/* Remembers what is on the panel, before quiltd is asked for something else. False: the call has
+ * failed, because nothing of Bridge or no panel is there. */
+bool lf_bridge_show_begin(lf_bridge_call *call);
+/* quiltd's result is there: completes the call once this entry is on the panel. If quiltd skips it,
+ * the call fails; if another call takes its place or it takes long, it is pending. */
+void lf_bridge_show_await(lf_bridge_call *call, const json_t *result);
 /* True if this is the playlist that quiltd's slideshow has. */
 bool lf_bridge_is_shown(const lf_bridge_call *call);
 void lf_bridge_show_forget(lf_bridge *bridge);

@@ -49,13 +49,14 @@ void lf_bridge_run_instance(lf_bridge_call *call)
     const json_t *given = json_object_get(call->body, "loop");
     double loop = 1;
     lf_error err = {0};
+    char text[sizeof err + 32];
     if (given && !lf_bridge_number(given, &loop)) {
         lf_bridge_fail(call, "loop: expects true or false");
         return;
     }
     if (lf_orchestration_make(bridge->lists, call->orchestration, lf_bridge_param(call, "name"),
                               loop != 0, played(bridge), &call->list, &err) != LF_OK) {
-        lf_bridge_fail(call, "%s", err.what);
+        lf_bridge_fail(call, "%s", lf_error_format(&err, text, sizeof text));
         return;
     }
     if (lf_bridge_is_shown(call))
@@ -163,6 +164,20 @@ void lf_bridge_run_insert(lf_bridge_call *call)
     json_decref(nothing);
 }
 
+/* quiltd has the changed entries. It shows the current one again if that one is another now. */
+static void go_on_shown(lf_bridge_call *call, const json_t *result)
+{
+    const bool playing = json_is_true(json_object_get(result, "playing")),
+               again = call->shows_again && call->index == call->current;
+    lf_bridge_show_take(call, result);
+    if (call->endpoint->shows && !playing)
+        lf_bridge_fail(call, "the slideshow has stopped; call transport_control_play first");
+    else if (playing && again)
+        lf_bridge_show_await(call, result);
+    else
+        lf_bridge_complete(call, NULL);
+}
+
 static void on_changed(lf_bridge_call *call, const json_t *result, const char *why)
 {
     lf_error err = {0};
@@ -171,8 +186,10 @@ static void on_changed(lf_bridge_call *call, const json_t *result, const char *w
     else if (lf_bridge_list_change(call->list, call->index, json_incref(call->said),
                                    json_incref(call->entry), &err) != LF_OK)
         lf_bridge_fail(call, "%s", err.what);
-    else
+    else if (!lf_bridge_is_shown(call))
         lf_bridge_complete(call, NULL);
+    else
+        go_on_shown(call, result);
 }
 
 /* The entry with this index, as the request wants it. */
@@ -193,6 +210,9 @@ static void change(lf_bridge_call *call)
     }
     json_t *changes = lf_bridge_entry_changes(call->entry, before);
     const bool same_file = !json_object_get(changes, "file");
+    call->shows_again = json_object_size(changes) > 0;
+    call->current = call->bridge->shown.index;
+    call->scenes = call->bridge->scenes;
     if (lf_bridge_is_shown(call) && same_file) {
         json_object_set_new(changes, "index", json_integer(call->index));
         lf_bridge_ask(call, "playlist.change", json_incref(changes), on_changed);
@@ -219,6 +239,6 @@ void lf_bridge_run_update_current(lf_bridge_call *call)
     call->index = call->bridge->shown.index;
     if (!lf_bridge_is_shown(call))
         lf_bridge_fail(call, "the playlist \"%s\" is not played", lf_bridge_param(call, "name"));
-    else
+    else if (lf_bridge_show_begin(call))
         change(call);
 }

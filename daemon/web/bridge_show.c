@@ -106,14 +106,56 @@ int lf_bridge_show_patience(sd_event_source *source, uint64_t usec, void *contex
     return 0;
 }
 
+static void look_at_panel(lf_bridge *bridge);
+
+/* A call that waited before, for the same slideshow, does not know whether its own image comes. */
 static void wait_for_image(lf_bridge_call *call)
 {
     lf_bridge *bridge = call->bridge;
-    fail_waiting(bridge, "another playlist is played");
+    lf_bridge_call *before = take_waiting(bridge);
     bridge->waiting = call;
     sd_event_source_set_time_relative(bridge->patience, LF_BRIDGE_SHOW_S * (uint64_t)1000000);
     sd_event_source_set_enabled(bridge->patience, SD_EVENT_ONESHOT);
+    if (before)
+        lf_bridge_pend(before);
     lf_bridge_step_aside(call);
+    look_at_panel(bridge); /* it may be there already */
+}
+
+bool lf_bridge_show_begin(lf_bridge_call *call)
+{
+    lf_bridge *bridge = call->bridge;
+    call->current = bridge->shown.index;
+    call->scenes = bridge->scenes;
+    bridge->reason[0] = '\0';
+    if (!is_any_shown(bridge))
+        lf_bridge_fail(call, "no playlist of a program is on the panel; call play_playlist first");
+    else if (bridge->knows_panel && !bridge->has_panel)
+        lf_bridge_fail(call, "no panel is connected");
+    else
+        return true;
+    return false;
+}
+
+void lf_bridge_show_await(lf_bridge_call *call, const json_t *result)
+{
+    call->index = (int)json_integer_value(json_object_get(result, "index"));
+    call->is_exact = true;
+    wait_for_image(call);
+}
+
+/* A call that wants this entry alone. */
+static bool wants(const lf_bridge_call *call, int index)
+{
+    return call && call->is_exact && call->index == index;
+}
+
+/* quiltd has gone on to another entry than the one that a call waits for, or stopped. */
+static bool waits_in_vain(const lf_bridge *bridge)
+{
+    const lf_bridge_call *call = bridge->waiting;
+    return call &&
+           (!bridge->shown.playing || (call->is_exact && !wants(call, bridge->shown.index)));
 }
 
 /* After all that quiltd had to say of the failure. */
@@ -122,10 +164,14 @@ static void on_said(void *context, const json_t *result, const char *why)
     (void)result;
     (void)why;
     lf_bridge *bridge = context;
-    if (!bridge->shown.playing)
-        fail_waiting(bridge, bridge->reason[0]
-                                 ? bridge->reason
-                                 : "quiltd can show none of the entries; see its log");
+    if (!waits_in_vain(bridge))
+        return;
+    if (bridge->reason[0])
+        fail_waiting(bridge, bridge->reason);
+    else
+        fail_waiting(bridge, bridge->shown.playing
+                                 ? "quiltd has gone on to another entry; see its log"
+                                 : "the slideshow was stopped before the image was there");
 }
 
 /* -------------------------------------------------------------------------------------- play -- */
@@ -165,7 +211,9 @@ static void on_set(lf_bridge_call *call, const json_t *result, const char *why)
 
 static void on_stopped(lf_bridge_call *call, const json_t *result, const char *why)
 {
-    call->bridge->reason[0] = '\0';
+    lf_bridge *bridge = call->bridge;
+    bridge->reason[0] = '\0';
+    call->scenes = bridge->scenes;
     if (!result)
         lf_bridge_fail(call, "%s", why);
     else
@@ -177,10 +225,12 @@ static void on_stopped(lf_bridge_call *call, const json_t *result, const char *w
 
 static void on_looked(lf_bridge_call *call, const json_t *info, const char *why)
 {
-    if (!info)
+    if (!info) {
         lf_bridge_fail(call, "%s", why);
-    else
-        lf_bridge_ask(call, "playlist.stop", NULL, on_stopped);
+        return;
+    }
+    fail_waiting(call->bridge, "another playlist is played"); /* not: it was stopped */
+    lf_bridge_ask(call, "playlist.stop", NULL, on_stopped);
 }
 
 void lf_bridge_run_play(lf_bridge_call *call)
@@ -192,7 +242,10 @@ void lf_bridge_run_play(lf_bridge_call *call)
     if (given && (!lf_bridge_whole(given, &head) || (head != -1 && head != 0)))
         lf_bridge_fail(call, "head_index: expects 0, or -1 for any: quiltd has one panel");
     else if (lf_bridge_list_length(call->list) == 0)
-        lf_bridge_fail(call, "the playlist \"%s\" has no entries", call->list->name);
+        lf_bridge_fail(
+            call,
+            "the playlist \"%s\" has no entries: none was inserted, or each insert has failed",
+            call->list->name);
     else
         lf_bridge_look(call, on_looked);
 }
@@ -207,19 +260,27 @@ static void on_done(lf_bridge_call *call, const json_t *result, const char *why)
         lf_bridge_fail(call, "%s", why);
 }
 
-/* False: the call has failed. */
-static bool check_shown(lf_bridge_call *call)
+static void on_begun(lf_bridge_call *call, const json_t *result, const char *why)
 {
-    if (is_any_shown(call->bridge))
-        return true;
-    lf_bridge_fail(call, "no playlist of a program is on the panel; call play_playlist first");
-    return false;
+    if (result)
+        lf_bridge_show_await(call, result);
+    else
+        lf_bridge_fail(call, "%s", why);
+}
+
+/* quiltd shows nothing anew at the end of a list, or if there is one entry. */
+static void on_stepped(lf_bridge_call *call, const json_t *result, const char *why)
+{
+    if (json_integer_value(json_object_get(result, "index")) == call->current)
+        on_done(call, result, why);
+    else
+        on_begun(call, result, why);
 }
 
 void lf_bridge_run_transport(lf_bridge_call *call)
 {
-    if (check_shown(call))
-        lf_bridge_ask(call, call->endpoint->method, NULL, on_done);
+    if (lf_bridge_show_begin(call))
+        lf_bridge_ask(call, call->endpoint->method, NULL, on_stepped);
 }
 
 static void on_paused(lf_bridge_call *call, const json_t *result, const char *why)
@@ -232,45 +293,55 @@ static void on_paused(lf_bridge_call *call, const json_t *result, const char *wh
 
 void lf_bridge_run_pause(lf_bridge_call *call)
 {
-    if (check_shown(call))
+    if (lf_bridge_show_begin(call))
         lf_bridge_ask(call, "playlist.pause", json_pack("{s:b}", "paused", 1), on_paused);
 }
 
 /* After a pause, or where the playlist has stopped. */
 void lf_bridge_run_resume(lf_bridge_call *call)
 {
-    if (!check_shown(call))
+    if (!lf_bridge_show_begin(call))
         return;
     if (call->bridge->shown.playing)
         lf_bridge_ask(call, "playlist.pause", json_pack("{s:b}", "paused", 0), on_done);
     else
-        lf_bridge_ask(call, "playlist.play", NULL, on_done);
+        lf_bridge_ask(call, "playlist.play", NULL, on_begun);
 }
 
 void lf_bridge_run_seek(lf_bridge_call *call)
 {
-    if (!check_shown(call))
+    if (!lf_bridge_show_begin(call))
         return;
     if (!lf_bridge_whole(json_object_get(call->body, "index"), &call->index) || call->index < 0)
         lf_bridge_fail(call, "index: expects a whole number from 0");
     else
-        lf_bridge_ask(call, "playlist.play", json_pack("{s:i}", "index", call->index), on_done);
+        lf_bridge_ask(call, "playlist.play", json_pack("{s:i}", "index", call->index), on_begun);
 }
 
 /* ----------------------------------------------------------------------------- notifications -- */
 
-/* The current entry is on the panel, if its file is. */
+static void complete_waiting(lf_bridge *bridge)
+{
+    lf_bridge_call *call = take_waiting(bridge);
+    lf_bridge_complete(
+        call, call->is_exact
+                  ? NULL
+                  : lf_bridge_value("payload", "VARIANT_MAP",
+                                    json_pack("{s:o}", "message", lf_bridge_text("message", ""))));
+}
+
+/* The current entry is on the panel, if its file is, and it came there since a call waits. */
 static void look_at_panel(lf_bridge *bridge)
 {
     lf_bridge_shown *shown = &bridge->shown;
+    const lf_bridge_call *call = bridge->waiting;
     const char *file = json_string_value(json_array_get(shown->files, (size_t)shown->index));
-    if (!shown->playing || !file || strcmp(file, bridge->on_panel) != 0)
+    const bool is_there = file && strcmp(file, bridge->on_panel) == 0;
+    if (is_there && call && bridge->scenes != call->scenes &&
+        (call->is_exact ? wants(call, shown->index) : shown->playing))
+        complete_waiting(bridge);
+    if (!is_there || !shown->playing)
         return;
-    lf_bridge_call *call = take_waiting(bridge);
-    if (call)
-        lf_bridge_complete(
-            call, lf_bridge_value("payload", "VARIANT_MAP",
-                                  json_pack("{s:o}", "message", lf_bridge_text("message", ""))));
     if (shown->told == shown->index)
         return;
     shown->told = shown->index;
@@ -294,7 +365,7 @@ static void note_playlist(lf_bridge *bridge, const json_t *params)
     }
     shown->index = (int)json_integer_value(json_object_get(params, "index"));
     shown->playing = json_is_true(json_object_get(params, "playing"));
-    if (bridge->waiting && !shown->playing &&
+    if (waits_in_vain(bridge) &&
         lf_calls_ask(bridge->calls, "status", NULL, on_said, bridge, &err) != LF_OK)
         fail_waiting(bridge, err.what);
     look_at_panel(bridge);
@@ -303,12 +374,22 @@ static void note_playlist(lf_bridge *bridge, const json_t *params)
 /* "playlist: entry 0 is skipped: WHY" */
 static void note_log(lf_bridge *bridge, const json_t *params)
 {
-    static const char start[] = "playlist: entry ", middle[] = " is skipped: ";
+    static const char name[] = "playlist: ", start[] = "playlist: entry ",
+                      middle[] = " is skipped: ";
+    char expected[64];
     const char *text = json_string_value(json_object_get(params, "text"));
     const char *why =
         text && strncmp(text, start, strlen(start)) == 0 ? strstr(text, middle) : NULL;
-    if (why)
-        snprintf(bridge->reason, sizeof bridge->reason, "%s", why + strlen(middle));
+    if (!why)
+        return;
+    snprintf(bridge->reason, sizeof bridge->reason, "%s", why + strlen(middle));
+    if (is_any_shown(bridge))
+        lf_bridge_log_failure(bridge, "playlist", text + strlen(name));
+    if (!bridge->waiting || !bridge->waiting->is_exact)
+        return;
+    snprintf(expected, sizeof expected, "%s%d%s", start, bridge->waiting->index, middle);
+    if (strncmp(text, expected, strlen(expected)) == 0)
+        fail_waiting(bridge, bridge->reason);
 }
 
 void lf_bridge_show_note(lf_bridge *bridge, const char *method, const json_t *params)
@@ -319,6 +400,7 @@ void lf_bridge_show_note(lf_bridge *bridge, const char *method, const json_t *pa
         note_log(bridge, params);
     } else if (strcmp(method, "scene") == 0) {
         const char *file = json_string_value(json_object_get(params, "file"));
+        bridge->scenes++;
         snprintf(bridge->on_panel, sizeof bridge->on_panel, "%s", file ? file : "");
         look_at_panel(bridge);
     }

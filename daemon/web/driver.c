@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -75,7 +76,11 @@ static void forget_message(lf_driver_client *client)
     client->fetch = NULL;
     json_decref(client->message);
     json_decref(client->calibration);
-    client->message = client->calibration = NULL;
+    json_decref(client->quilt);
+    client->message = client->calibration = client->quilt = NULL;
+    if (client->quilt_fd >= 0)
+        close(client->quilt_fd);
+    client->quilt_fd = -1;
     client->command = NULL;
     client->params = NULL;
     client->n_ids = 0;
@@ -173,8 +178,8 @@ static void begin_command(lf_driver_client *client)
     client->command = lf_command_find(client->message, &client->params);
     if (!client->command)
         lf_driver_fail(client, LF_DRIVER_BAD_COMMAND,
-                       "there is no such command; quiltweb knows init, info, show, cache, check, "
-                       "delete, wipe and hide",
+                       "expects one command of init, info, show, cache, check, delete, wipe and "
+                       "hide",
                        NULL);
     else if (client->command->shows && lf_panel_only_is_on(client->driver->panel_only))
         lf_driver_fail(client, LF_DRIVER_NOT_ALLOWED, LF_PANEL_ONLY_WORDS, NULL);
@@ -313,7 +318,7 @@ lf_status lf_driver_join(lf_driver *driver, const lf_driver_events *events, lf_d
     lf_driver_client *client = lf_calloc(1, sizeof *client);
     if (!client)
         return LF_E_NOMEM;
-    *client = (lf_driver_client){.driver = driver, .events = *events};
+    *client = (lf_driver_client){.driver = driver, .events = *events, .quilt_fd = -1};
     if (sd_event_add_defer(driver->event, &client->turn, on_turn, client) < 0) {
         lf_free(client);
         return LF_E_NOMEM;

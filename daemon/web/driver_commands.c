@@ -1,6 +1,7 @@
 /* The commands of the older protocol. */
 #include "daemon/web/driver_internal.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -103,6 +104,11 @@ static json_t *read_settings(lf_driver_client *client, const json_t *settings, c
         fail_key(client, "vtotal", "at most vx times vy views");
         return NULL;
     }
+    if (aspect && !json_is_null(aspect) &&
+        (!json_is_number(aspect) || !(json_number_value(aspect) >= 0))) {
+        fail_key(client, "aspect", "a number above 0");
+        return NULL;
+    }
     json_t *params = json_pack("{s:i, s:i, s:i}", "columns", columns, "rows", rows, "views", views);
     if (params && json_number_value(aspect) > 0)
         json_object_set_new(params, "aspect", json_real(json_number_value(aspect)));
@@ -132,11 +138,22 @@ static void fail_target(lf_driver_client *client)
 
 /* -------------------------------------------------------------------------------------- show -- */
 
+/* Shows a quilt if there is a panel: without one quiltd takes it, too. params: taken. fd: kept. */
+static void look_and_show(lf_driver_client *client, json_t *params, int fd)
+{
+    client->quilt = params;
+    client->quilt_fd = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    if (!params || client->quilt_fd < 0)
+        lf_driver_fail(client, LF_DRIVER_FAILED, "out of memory or of files", NULL);
+    else
+        lf_driver_ask(client, "device.calibration", NULL, -1, ASK_S);
+}
+
 static void ask_show(lf_driver_client *client, const json_t *settings, const lf_bin *bin)
 {
     json_t *params = read_settings(client, settings, bin);
     if (params)
-        lf_driver_ask(client, "quilt.show", params, lf_bin_fd(bin), SHOW_S);
+        look_and_show(client, params, lf_bin_fd(bin));
 }
 
 /* Shows a quilt of our own. */
@@ -153,7 +170,7 @@ static void ask_show_own(lf_driver_client *client, bool demo)
                                       LF_DEMO_HEIGHT, "name", "demo")
                           : json_pack("{s:i, s:i, s:i, s:i, s:s}", "columns", 1, "rows", 1, "width",
                                       1, "height", 1, "name", "black");
-    lf_driver_ask(client, "quilt.show", params, fd, SHOW_S);
+    look_and_show(client, params, fd);
     close(fd);
 }
 
@@ -207,19 +224,35 @@ static void begin_show(lf_driver_client *client)
         ask_show(client, settings, client->bin);
 }
 
-/* First quiltd has taken the quilt, then it shows it, or what was shown after it. */
+/* There is a panel. */
+static void send_quilt(lf_driver_client *client)
+{
+    json_t *params = client->quilt;
+    const int fd = client->quilt_fd;
+    client->quilt = NULL;
+    client->quilt_fd = -1;
+    lf_driver_ask(client, "quilt.show", params, fd, SHOW_S);
+    close(fd);
+}
+
+/* First the calibration has come, then quiltd has taken the quilt, and at last it shows it, or what
+ * was shown after it. */
 static void go_on_show(lf_driver_client *client)
 {
     const json_t *result = NULL;
     int code = 0;
     lf_error err = {0};
     lf_status status = lf_driver_result(client, &result, &code, &err);
-    if (status != LF_OK)
+    if (status != LF_OK && client->quilt && code == LF_RPC_NO_DEVICE)
+        lf_driver_fail(client, LF_DRIVER_NO_PANEL, "no panel is connected to quiltd", NULL);
+    else if (status != LF_OK)
         lf_driver_fail(client,
                        code == LF_RPC_INVALID_PARAMS || code == LF_RPC_BAD_SCENE
                            ? LF_DRIVER_NO_IMAGE
                            : LF_DRIVER_FAILED,
                        err.what, NULL);
+    else if (client->quilt)
+        send_quilt(client);
     else if (client->is_taken)
         lf_driver_answer(client, json_object());
     else {
@@ -269,8 +302,9 @@ static void begin_cache(lf_driver_client *client)
 /* Not a failure: programs ask in order to know. */
 static void answer_found(lf_driver_client *client, bool found)
 {
-    lf_driver_answer(client,
-                     json_pack("{s:i}", "error", found ? LF_DRIVER_NONE : LF_DRIVER_NOT_CACHED));
+    lf_driver_answer(client, found ? json_object()
+                                   : json_pack("{s:i, s:s}", "error", LF_DRIVER_NOT_CACHED,
+                                               "message", "no image of this name is kept"));
 }
 
 static void begin_check(lf_driver_client *client)
@@ -303,12 +337,15 @@ static const lf_command commands[] = {
 const lf_command *lf_command_find(const json_t *message, const json_t **out_params)
 {
     const json_t *cmd = json_object_get(message, "cmd");
+    const lf_command *found = NULL;
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         const json_t *params = json_object_get(cmd, commands[i].name);
         if (!params)
             continue;
+        if (found)
+            return NULL; /* which of both is done would be a secret */
         *out_params = params;
-        return &commands[i];
+        found = &commands[i];
     }
-    return NULL;
+    return found;
 }

@@ -48,7 +48,9 @@ struct lf_driver_client {
     const json_t *params;      /* of the command, in the message */
     lf_fetch *fetch;           /* NULL: none */
     json_t *calibration;       /* of `info` */
-    bool is_taken;             /* of `show`: quiltd has the quilt */
+    json_t *quilt;             /* of `show`, until quiltd gets it: the parameters … */
+    int quilt_fd;              /* … and the image; -1: none */
+    bool is_taken;             /* quiltd has the quilt */
     struct {
         uint8_t *data; /* [n] of [size] parts of messages that came while it was busy */
         size_t n, size;
@@ -77,7 +79,7 @@ LF_NODISCARD lf_status lf_driver_result(lf_driver_client *client, const json_t *
                                         int *out_code, lf_error *err);
 
 /* driver_commands.c */
-/* Finds the command of a message; NULL: it has none that is known. */
+/* Finds the command of a message; NULL: it has none that is known, or several. */
 const lf_command *lf_command_find(const json_t *message, const json_t **out_params);
 
 /* driver_cache.c */

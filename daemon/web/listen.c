@@ -62,7 +62,8 @@ static lf_status open_at(const place *at, int *out_fd, lf_error *err)
                         why == EADDRINUSE ? LF_E_BUSY
                         : none            ? LF_E_NODEV
                                           : LF_E_IO,
-                        name, "cannot listen: %s", lf_errno_text(why));
+                        name, "cannot listen: %s%s", lf_errno_text(why),
+                        why == EADDRINUSE ? "; another quiltweb may run; choose another port" : "");
 }
 
 lf_status lf_web_listen(const char *address, int *out_fd, lf_error *err)

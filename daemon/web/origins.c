@@ -1,6 +1,7 @@
 #include "daemon/web/origins.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -29,7 +30,8 @@ static bool is_origin(const char *text)
         return false;
     const char *end = after(name, "[::1]");
     const char *port = end ? end : name + strspn(name, letters);
-    return port > name && is_port(port);
+    const char *left_out = after(text, "https://") ? ":443" : ":80"; /* by browsers */
+    return port > name && is_port(port) && strcmp(port, left_out) != 0;
 }
 
 lf_status lf_origins_add(lf_origins *origins, const char *text, lf_error *err)
@@ -67,4 +69,31 @@ bool lf_origins_have(const lf_origins *origins, const char *origin)
         if (strcmp(origins->text[i], origin) == 0)
             return true;
     return origins->local && is_local(origin);
+}
+
+bool lf_strangers_meet(lf_strangers *strangers, int door, const char *origin)
+{
+    char start[sizeof strangers->told[0].origin];
+    snprintf(start, sizeof start, "%s", origin);
+    for (int i = 0; i < strangers->n; i++)
+        if (strangers->told[i].door == door && strcmp(strangers->told[i].origin, start) == 0)
+            return false;
+    if (strangers->n == LF_STRANGERS_MOST)
+        return false;
+    strangers->told[strangers->n].door = door;
+    memcpy(strangers->told[strangers->n++].origin, start, sizeof start);
+    return true;
+}
+
+void lf_origins_refusal(const char *origin, lf_error *out)
+{
+    if (is_origin(origin))
+        (void)lf_error_set(out, LF_E_STATE, "",
+                           "pages of %.80s may not ask; start quiltweb with --allow-origin %.80s",
+                           origin, origin);
+    else
+        (void)lf_error_set(out, LF_E_STATE, "",
+                           "pages of the origin %.80s may never ask; open the page by http or "
+                           "https",
+                           origin);
 }

@@ -21,4 +21,19 @@ LF_NODISCARD lf_status lf_origins_add(lf_origins *origins, const char *text, lf_
 /* True for the very text that was added, and for what LF_ORIGINS_LOCAL stands for. */
 bool lf_origins_have(const lf_origins *origins, const char *origin);
 
+/* Pages that were refused, and are told of once. */
+enum { LF_STRANGERS_MOST = 64 };
+typedef struct lf_strangers {
+    int n;
+    struct {
+        int door;
+        char origin[64]; /* its start */
+    } told[LF_STRANGERS_MOST];
+} lf_strangers;
+
+/* True if this page is new at this door, and not too many were told of. */
+bool lf_strangers_meet(lf_strangers *strangers, int door, const char *origin);
+/* Why it is refused and what to do, for the log and the program. */
+void lf_origins_refusal(const char *origin, lf_error *out);
+
 #endif

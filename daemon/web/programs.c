@@ -21,6 +21,10 @@ static lf_status open_nng(lf_programs *programs, sd_event *event, const lf_progr
     lf_status status = LF_OK;
     if (fd < 0)
         status = lf_listen_at(config->nng_path, "--nng=PATH", &programs->listener, &fd, err);
+    if (status == LF_E_BUSY)
+        status = lf_error_set(err, LF_E_BUSY, config->nng_path,
+                              "another quiltweb, or a program like it, uses this socket; choose "
+                              "another --nng=PATH");
     if (status == LF_OK)
         status = lf_nng_create(event, fd, programs->driver, &programs->nng, err);
     if (status == LF_OK)

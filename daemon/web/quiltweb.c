@@ -160,6 +160,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
                                              a->upload_mib < 1 || a->upload_mib > MAX_UPLOAD_MIB))
         return lf_error_set(err, LF_E_ARG, "--upload-limit", "expects 1 to %d MiB, got \"%s\"",
                             MAX_UPLOAD_MIB, text);
+    else if (code == OPTION_NNG && text && text[0] == '\0')
+        return lf_error_set(err, LF_E_ARG, "--nng", "expects a path, or no \"=\" at all");
     else if (code == OPTION_NNG)
         a->nng = text ? text : LF_NNG_PATH;
     else if (code == OPTION_PANEL_ONLY)
@@ -264,6 +266,11 @@ static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], 
         status = open_door(page, true, PAGE_PORT, err);
     for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS && status == LF_OK; i++)
         status = open_door(&doors[i], a->wanted[i], a->ports[i], err);
+    int n_programs = 0;
+    for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS; i++)
+        n_programs += doors[i].n;
+    if (status == LF_OK && n_programs == 0 && (a->allowed.n > 0 || a->allowed.local))
+        lf_log(LF_LOG_WARNING, "--allow-origin: has no effect without --bridge or --webxr");
     for (int i = 0; i < LF_DOORS && status != LF_OK; i++)
         lf_web_sockets_close(&doors[i]);
     if (status != LF_OK && *out_nng >= 0)

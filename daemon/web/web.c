@@ -53,46 +53,7 @@ void lf_web_wake(lf_web *web)
 
 /* ------------------------------------------------------------------------------- connections -- */
 
-static void accept_more(lf_web *web, bool more)
-{
-    for (int i = 0; i < LF_DOORS; i++)
-        for (int k = 0; k < web->doors[i].sockets.n; k++)
-            sd_event_source_set_enabled(web->doors[i].accept[k], more ? SD_EVENT_ON : SD_EVENT_OFF);
-}
-
-/* Somebody waits for a place: the oldest connection that has not asked for anything makes room. */
-static void make_room(lf_web *web)
-{
-    lf_peer *oldest = NULL;
-    for (lf_peer *v = web->peers; v; v = v->next)
-        oldest = v->asked ? oldest : v;
-    if (oldest)
-        lf_patience_end(oldest->patience);
-    accept_more(web, false); /* until one has ended */
-}
-
-/* One a turn. Above the limit, connections wait in the kernel. */
-static int on_accept(sd_event_source *source, int fd, uint32_t what, void *context)
-{
-    (void)source;
-    (void)what;
-    lf_web *web = context;
-    struct sockaddr_storage address = {0};
-    socklen_t size = sizeof address;
-    if (web->counts.connections >= LF_WEB_MAX_CONNECTIONS) {
-        make_room(web);
-        return on_turn(web);
-    }
-    int peer = accept4(fd, (struct sockaddr *)&address, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
-    const bool full = peer < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOMEM);
-    if (peer >= 0) /* on failure it is closed */
-        (void)MHD_add_connection(web->http, peer, (const struct sockaddr *)&address, size);
-    if (full && web->counts.connections > 0)
-        make_room(web);
-    return on_turn(web);
-}
-
-/* The door whose port a connection came to; LF_DOORS: none. */
+/* The door whose port a socket has; LF_DOORS: none. */
 static lf_door door_of(const lf_web *web, int fd)
 {
     union {
@@ -109,6 +70,56 @@ static lf_door door_of(const lf_web *web, int fd)
     while (door < LF_DOORS && web->doors[door].port != port)
         door++;
     return door;
+}
+
+static void accept_more(lf_web *web, lf_door door, bool more)
+{
+    for (int k = 0; k < web->doors[door].sockets.n; k++)
+        sd_event_source_set_enabled(web->doors[door].accept[k], more ? SD_EVENT_ON : SD_EVENT_OFF);
+}
+
+/* Somebody waits for a place at this door, or for a file (LF_DOORS): the oldest connection that has
+ * not asked for anything makes room. */
+static void make_room(lf_web *web, lf_door door)
+{
+    lf_peer *oldest = NULL;
+    for (lf_peer *v = web->peers; v; v = v->next)
+        if (!v->asked && (v->door == door || door == LF_DOORS))
+            oldest = v;
+    if (oldest)
+        lf_patience_end(oldest->patience);
+    for (lf_door i = 0; i < LF_DOORS; i++)
+        if (i == door || door == LF_DOORS)
+            accept_more(web, i, false); /* until a connection has ended */
+}
+
+/* Each door has places of its own: programs do not keep out the page, nor each other. */
+static bool is_full(const lf_web *web, lf_door door)
+{
+    return web->doors[door].n_connections >=
+           (door == LF_DOOR_PAGE ? LF_WEB_MAX_CONNECTIONS : LF_WEB_MAX_PROGRAMS);
+}
+
+/* One a turn. Above the limit, connections wait in the kernel. */
+static int on_accept(sd_event_source *source, int fd, uint32_t what, void *context)
+{
+    (void)source;
+    (void)what;
+    lf_web *web = context;
+    struct sockaddr_storage address = {0};
+    socklen_t size = sizeof address;
+    const lf_door door = door_of(web, fd);
+    if (door < LF_DOORS && is_full(web, door)) {
+        make_room(web, door);
+        return on_turn(web);
+    }
+    int peer = accept4(fd, (struct sockaddr *)&address, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    const bool full = peer < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOMEM);
+    if (peer >= 0) /* on failure it is closed */
+        (void)MHD_add_connection(web->http, peer, (const struct sockaddr *)&address, size);
+    if (full && web->counts.connections > 0)
+        make_room(web, LF_DOORS);
+    return on_turn(web);
 }
 
 /* NULL: out of memory. */
@@ -128,6 +139,7 @@ static lf_peer *begin_peer(lf_web *web, struct MHD_Connection *connection)
     }
     new->next = web->peers;
     web->peers = new;
+    web->doors[door].n_connections++;
     return new;
 }
 
@@ -139,6 +151,7 @@ static void end_peer(lf_web *web, lf_peer *gone)
         *at = gone->next;
         break;
     }
+    web->doors[gone->door].n_connections--;
     lf_patience_destroy(gone->patience);
     lf_free(gone);
 }
@@ -157,8 +170,8 @@ static void on_connection(void *context, struct MHD_Connection *connection, void
     if (*peer)
         end_peer(web, *peer);
     *peer = NULL;
-    if (!web->ending)
-        accept_more(web, true);
+    for (lf_door door = 0; door < LF_DOORS && !web->ending; door++)
+        accept_more(web, door, true);
 }
 
 lf_peer *lf_peer_of(struct MHD_Connection *connection)
@@ -209,6 +222,18 @@ static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_
     return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers);
 }
 
+/* A page that is not allowed at a door of programs. Its browser hides the answer from it. */
+static enum MHD_Result refuse_stranger(lf_web *web, struct MHD_Connection *connection, lf_door door,
+                                       const char *origin)
+{
+    static const char *const names[LF_DOORS] = {"page", "bridge", "events", "webxr"};
+    lf_error err = {0};
+    lf_origins_refusal(origin, &err);
+    if (lf_strangers_meet(&web->strangers, (int)door, origin))
+        lf_log(LF_LOG_WARNING, "%s: %s", names[door], err.what);
+    return lf_reply_text(connection, 403, err.what);
+}
+
 /* The headers are there: refuses the request, or makes *out of it. */
 static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection, lf_peer *peer,
                                      const char *path, const char *method, lf_request **out)
@@ -223,10 +248,12 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     headers.zero = peer->zero;
     headers.takes_body = route && route->take;
     headers.body_limit = route && route->body_limit ? route->body_limit : web->upload_limit;
-    headers.too_long = route && route->body_limit ? "the body is too long"
+    headers.too_long = route && route->body_limit ? "the body is too long; send the path of a file"
                                                   : "the body is longer than --upload-limit";
     const int refused = lf_guard_check(guard, &headers, &why);
     web->counts.refused += refused != 0;
+    if (refused == 403 && guard->allowed && headers.origins == 1)
+        return refuse_stranger(web, connection, peer->door, headers.origin);
     if (refused)
         return lf_reply_text(connection, (unsigned)refused, why);
     peer->origin = guard->allowed ? headers.origin : NULL;
@@ -340,10 +367,10 @@ static lf_status start(lf_web *web, lf_error *err)
     web->http = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, web, MHD_OPTION_EXTERNAL_LOGGER, on_log, web,
         MHD_OPTION_URI_LOG_CALLBACK, on_target, NULL, MHD_OPTION_CONNECTION_LIMIT,
-        (unsigned)LF_WEB_MAX_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, web, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
-        web, MHD_OPTION_END);
+        (unsigned)(LF_WEB_MAX_CONNECTIONS + (LF_DOORS - 1) * LF_WEB_MAX_PROGRAMS),
+        MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES,
+        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection, web,
+        MHD_OPTION_NOTIFY_COMPLETED, on_completed, web, MHD_OPTION_END);
     const union MHD_DaemonInfo *info =
         web->http ? MHD_get_daemon_info(web->http, MHD_DAEMON_INFO_EPOLL_FD) : NULL;
     if (!info)

@@ -18,7 +18,8 @@
 #include "daemon/web/origins.h"
 
 #define LF_WEB_MAX_SESSIONS 16    /* WebSockets of a door */
-#define LF_WEB_MAX_CONNECTIONS 64 /* of all kinds */
+#define LF_WEB_MAX_CONNECTIONS 64 /* of the page's door */
+#define LF_WEB_MAX_PROGRAMS 32    /* connections of each other door */
 #define LF_WEB_URL_SIZE 320
 #define LF_WEB_UPLOAD_LIMIT_MIB 1024
 

@@ -31,7 +31,7 @@
 #include "daemon/web/web.h"
 
 #define LF_WEB_MAX_STREAMS 4
-#define LF_BRIDGE_BODY ((size_t)1 << 20) /* of a request of Bridge */
+#define LF_BRIDGE_BODY ((size_t)32768) /* of a request of Bridge */
 /* A request has so long, except where pace or patience of its own are set. */
 #define LF_WEB_DEADLINE_USEC ((uint64_t)10000000)
 /* A client of a download has so long for LF_PATIENCE_BYTES. Of a stream it has so long for what
@@ -55,7 +55,7 @@ typedef struct lf_entrance {
     lf_guard guard;
     lf_web_sockets sockets;
     sd_event_source *accept[LF_WEB_MAX_LISTENERS];
-    int n_seats;
+    int n_seats, n_connections;
 } lf_entrance;
 
 struct lf_web {
@@ -64,6 +64,7 @@ struct lf_web {
     uint64_t upload_limit;
     lf_entrance doors[LF_DOORS];
     lf_origins allowed;
+    lf_strangers strangers;
     lf_driver *driver;               /* NULL: none */
     const lf_panel_only *panel_only; /* NULL: off */
     char url[LF_WEB_URL_SIZE];

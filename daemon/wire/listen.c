@@ -42,6 +42,8 @@ static lf_status address_of(const char *path, const char *option, struct sockadd
                             lf_error *err)
 {
     *out = (struct sockaddr_un){.sun_family = AF_UNIX};
+    if (path[0] == '\0') /* Linux: a name that no file's rights protect */
+        return lf_error_set(err, LF_E_ARG, option, "expects the path of a socket, got none");
     if (strlen(path) >= sizeof out->sun_path)
         return lf_error_set(err, LF_E_ARG, path,
                             "the socket path is longer than %zu bytes; use a shorter one (%s)",
@@ -50,12 +52,26 @@ static lf_status address_of(const char *path, const char *option, struct sockadd
     return LF_OK;
 }
 
+enum { LOCK_SIZE = sizeof((struct sockaddr_un *)0)->sun_path + 8 };
+
+static void name_lock(const char *path, char out[LOCK_SIZE])
+{
+    snprintf(out, LOCK_SIZE, "%.*s.lock", LOCK_SIZE - 8, path);
+}
+
+static void unlink_lock(const char *path)
+{
+    char lock[LOCK_SIZE];
+    name_lock(path, lock);
+    unlink(lock);
+}
+
 /* The lock file is next to the socket; its holder may replace the socket. Retries, because an
  * ending daemon removes the file, and a lock on a removed file is worthless. */
 static lf_status take_lock(const char *path, const char *option, int *out_fd, lf_error *err)
 {
-    char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
-    snprintf(lock, sizeof lock, "%.*s.lock", (int)sizeof((struct sockaddr_un *)0)->sun_path, path);
+    char lock[LOCK_SIZE];
+    name_lock(path, lock);
     for (;;) {
         int fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
         if (fd < 0) {
@@ -183,16 +199,19 @@ lf_status lf_listen_at(const char *path, const char *option, lf_listener *out, i
         status = bind_and_listen(path, &address, out_fd, err);
     if (status == LF_OK)
         out->path = lf_strdup(path);
+    if (status != LF_OK && out->lock_fd >= 0) { /* ours: in /tmp it would keep out others */
+        unlink_lock(path);
+        close(out->lock_fd);
+        out->lock_fd = -1;
+    }
     return status;
 }
 
 void lf_unlisten(lf_listener *listener)
 {
     if (listener->path && listener->lock_fd >= 0) {
-        char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
-        snprintf(lock, sizeof lock, "%s.lock", listener->path);
         unlink(listener->path);
-        unlink(lock);
+        unlink_lock(listener->path);
     }
     lf_free(listener->path);
     if (listener->lock_fd >= 0)

@@ -409,6 +409,26 @@ static void a_failure_is_told(void **state)
     end(&p);
 }
 
+/* quiltd takes a quilt without a panel, too, but nobody sees it. */
+static void without_a_panel_nothing_is_shown(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {SHOW, "{\"show\": {}}", "{\"wipe\": {}}",
+                                           "{\"hide\": {}}"};
+    programs p;
+    size_t n = 0;
+    begin(&p, NULL);
+    uint8_t *bmp = bitmap_make(WIDTH, HEIGHT, 24, &n);
+    int fd = nng_connect(&p);
+    assert_int_equal(live_code(&p.c, "device.set", json_pack("{s:s}", "spec", "none")), 0);
+    await_panel(&p, false);
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
+        nng_check(fd, commands[i], i == 0 ? bmp : NULL, i == 0 ? n : 0, 4);
+    free(bmp);
+    close(fd);
+    end(&p);
+}
+
 /* AliceLG sends the next request without an eye on the answer, and may leave. */
 static void a_program_need_not_wait(void **state)
 {
@@ -649,44 +669,12 @@ static void a_panel_is_lent_and_comes_back(void **state)
     end(&p);
 }
 
-/* Of several clients one may have it, and another device that was chosen stays. */
-static void a_loan_has_one_client(void **state)
-{
-    (void)state;
-    programs p;
-    live_client first, second;
-    live_prepare(&p.l);
-    live_start(&p.l, p.l.scene, "--device", p.l.sim, "--state", p.l.state, NULL);
-    live_connect(&p.l, &p.c);
-    live_connect(&p.l, &first);
-    live_connect(&p.l, &second);
-    assert_int_equal(
-        live_code(&first, "device.set", json_pack("{s:s, s:b}", "spec", p.l.sim, "lend", 1)),
-        -32602);
-    for (int i = 0; i < 2; i++)
-        assert_int_equal(
-            live_code(&first, "device.set", json_pack("{s:s, s:b}", "spec", "none", "lend", 1)), 0);
-    assert_int_equal(
-        live_code(&second, "device.set", json_pack("{s:s, s:b}", "spec", "none", "lend", 1)),
-        -32000);
-    await_panel(&p, false);
-    live_close(&first);
-    await_panel(&p, true);
-    assert_int_equal(
-        live_code(&second, "device.set", json_pack("{s:s, s:b}", "spec", "none", "lend", 1)), 0);
-    assert_int_equal(live_code(&p.c, "device.set", json_pack("{s:s}", "spec", "none")), 0);
-    live_close(&second);
-    for (int i = 0; i < 20; i++)
-        await_panel(&p, false);
-    live_close(&p.c);
-    live_finish(&p.l);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_bitmap_reaches_the_panel),
         cmocka_unit_test(a_failure_is_told),
+        cmocka_unit_test(without_a_panel_nothing_is_shown),
         cmocka_unit_test(a_program_need_not_wait),
         cmocka_unit_test(a_page_talks_by_a_websocket),
         cmocka_unit_test(the_calibration_is_told_at_once),
@@ -694,7 +682,6 @@ int main(void)
         cmocka_unit_test(strangers_are_refused),
         cmocka_unit_test(recorded_requests_are_answered),
         cmocka_unit_test(a_panel_is_lent_and_comes_back),
-        cmocka_unit_test(a_loan_has_one_client),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 #include "tests/web/false_slideshow.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static bool is_below(const char *file, const char *folder)
@@ -41,11 +42,13 @@ static void show(lf_false_slideshow *s, lf_false_answer *out)
     const int n = (int)json_array_size(s->entries), first = s->index;
     s->playing = true;
     note_list(s, &out->before);
+    out->result = lf_false_slideshow_json(s);
     if (s->is_hanging)
         return;
     for (int i = 0; i < n; i++) {
         const char *file = file_at(s, (first + i) % n);
-        if (!is_below(file, "/bad")) {
+        char words[80];
+        if (!is_below(file, "/bad") && !s->is_spoilt) {
             s->index = (first + i) % n;
             note(&out->after, lf_false_notification(
                                   "scene", json_pack("{s:i, s:s}", "generation", 8, "file", file)));
@@ -53,10 +56,10 @@ static void show(lf_false_slideshow *s, lf_false_answer *out)
                 note_list(s, &out->after);
             return;
         }
-        note(&out->after,
-             lf_false_notification(
-                 "log", json_pack("{s:s, s:s}", "level", "warning", "text",
-                                  "playlist: entry 0 is skipped: it is not an image at all")));
+        snprintf(words, sizeof words, "playlist: entry %d is skipped: it is not an image at all",
+                 (first + i) % n);
+        note(&out->after, lf_false_notification(
+                              "log", json_pack("{s:s, s:s}", "level", "warning", "text", words)));
     }
     s->playing = false;
     note_list(s, &out->after);
@@ -104,8 +107,14 @@ static void change(lf_false_slideshow *s, json_t *params, lf_false_answer *out)
     json_t *changed = json_pack("[O]", params);
     out->message = check(changed);
     json_decref(changed);
-    if (!out->message)
-        json_object_update(entry, params);
+    if (out->message)
+        return;
+    json_t *before = json_copy(entry);
+    json_object_update(entry, params);
+    json_object_del(entry, "index");
+    if (s->playing && json_integer_value(index) == s->index && !json_equal(before, entry))
+        show(s, out);
+    json_decref(before);
 }
 
 static void play(lf_false_slideshow *s, const json_t *params, lf_false_answer *out)
@@ -145,7 +154,7 @@ bool lf_false_slideshow_answer(lf_false_slideshow *s, const char *method, json_t
         s->paused = s->playing && json_is_true(json_object_get(params, "paused"));
     else if (strcmp(method, "playlist.stop") == 0)
         s->playing = s->paused = false;
-    else if (n > 0) {
+    else if (n > 1) {
         s->index = (s->index + (strcmp(method, "playlist.next") == 0 ? 1 : n - 1)) % n;
         show(s, out);
     }

@@ -11,6 +11,7 @@ typedef struct lf_false_slideshow {
     bool on;         /* it answers */
     bool no_panel;   /* there is no calibration */
     bool is_hanging; /* nothing that is played is ever shown */
+    bool is_spoilt;  /* no file can be shown any more */
     json_t *entries; /* NULL: none */
     int index;
     bool playing, paused, loop;

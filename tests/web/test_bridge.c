@@ -111,6 +111,11 @@ static void hang(lf_false_slideshow *s)
     s->is_hanging = true;
 }
 
+static void spoil(lf_false_slideshow *s)
+{
+    s->is_spoilt = true;
+}
+
 static void unplug(lf_false_slideshow *s)
 {
     s->no_panel = true;
@@ -193,7 +198,52 @@ static void without_a_panel_nothing_is_played(void **state)
     assert_int_equal(lf_gateway_calls(g, "playlist.play"), 0);
 }
 
+/* What was shown is not what is asked for next. */
+static void a_panel_that_went_shows_nothing(void **state)
+{
+    gateway *g = *state;
+    static const char *const endpoints[] = {"transport_control_next", "transport_control_play",
+                                            "transport_control_pause",
+                                            "transport_control_seek_to_index"};
+    const char *token = enter(g);
+    make_list(g, token, "a", "/a.png");
+    done(g, "play_playlist", token, "\"name\":\"a\"");
+    lf_gateway_notify(g,
+                      "{\"jsonrpc\":\"2.0\",\"method\":\"device\",\"params\":{\"present\":false}}");
+    for (size_t i = 0; i < sizeof endpoints / sizeof endpoints[0]; i++)
+        fails(g, endpoints[i], token, "\"index\":0", "no panel");
+    fails(g, "update_current_entry", token, "\"name\":\"a\",\"zoom\":2", "no panel");
+}
+
 /* ------------------------------------------------------------------------ never a false word -- */
+
+static void what_was_overwritten_is_not_shown(void **state)
+{
+    gateway *g = *state;
+    const char *token = enter(g);
+    make_list(g, token, "a", "/a.png");
+    done(g, "play_playlist", token, "\"name\":\"a\"");
+    lf_gateway_set_slideshow(g, spoil);
+    done(g, "update_current_entry", token, "\"name\":\"a\",\"focus\":0"); /* nothing changes */
+    fails(g, "update_current_entry", token, "\"name\":\"a\",\"zoom\":2", "not an image");
+    fails(g, "update_current_entry", token, "\"name\":\"a\",\"zoom\":3", "has stopped");
+    fails(g, "transport_control_play", token, "", "not an image");
+    fails(g, "transport_control_seek_to_index", token, "\"index\":0", "not an image");
+    done(g, "transport_control_next", token, ""); /* there is no other one */
+}
+
+/* Only the entry that is asked for. */
+static void a_skipped_entry_was_not_shown(void **state)
+{
+    gateway *g = *state;
+    const char *token = enter(g);
+    make_list(g, token, "a", "/a.png");
+    done(g, "insert_playlist_entry", token, "\"name\":\"a\",\"index\":1,\"uri\":\"/bad/b.png\"");
+    done(g, "play_playlist", token, "\"name\":\"a\"");
+    fails(g, "transport_control_seek_to_index", token, "\"index\":1", "not an image");
+    fails(g, "transport_control_next", token, "", "not an image");
+    done(g, "transport_control_seek_to_index", token, "\"index\":0");
+}
 
 static void what_quiltd_refuses_fails_in_its_words(void **state)
 {
@@ -324,10 +374,11 @@ static void a_quiltd_that_ends_fails_the_requests(void **state)
 
 /* ------------------------------------------------------------------------------------ bodies -- */
 
-static void bodies_are_objects_of_one_mebibyte(void **state)
+static void bodies_are_objects_of_32_kibibytes(void **state)
 {
     gateway *g = *state;
     char request[256];
+    enum { LONGEST = 1 << 15 };
     static const char *const bad[] = {"[]", "null", "{", "7", "{\"a\":1,\"a\":2}", "{} {}"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         const char *answer = put_raw(g, "bridge_version", bad[i], "");
@@ -339,21 +390,22 @@ static void bodies_are_objects_of_one_mebibyte(void **state)
     assert_int_equal(
         lf_caller_status(put_raw(g, "bridge_version", "{}", "Content-Type: text/plain\r\n")), 200);
     for (int more = 0; more < 2; more++) {
-        char *body = malloc((1 << 20) + 2);
-        memset(body, ' ', (1 << 20) + 1);
+        char *body = malloc(LONGEST + 2);
+        memset(body, ' ', LONGEST + 1);
         memcpy(body, "{}", 2);
         int fd = lf_caller_connect_door(g, LF_DOOR_BRIDGE);
         snprintf(request, sizeof request,
                  "PUT /bridge_version HTTP/1.1\r\nHost: localhost:%d\r\nContent-Length: %d\r\n\r\n",
-                 lf_gateway_door_port(g, LF_DOOR_BRIDGE), (1 << 20) + more);
+                 lf_gateway_door_port(g, LF_DOOR_BRIDGE), LONGEST + more);
         assert_true(lf_caller_send(fd, request, strlen(request)));
-        (void)lf_caller_send(fd, body, (size_t)(1 << 20) + (size_t)more);
+        (void)lf_caller_send(fd, body, (size_t)LONGEST + (size_t)more);
         assert_int_equal(lf_caller_status(lf_caller_rest(fd)), more ? 413 : 200);
         free(body);
     }
-    assert_int_equal(
-        lf_caller_status(put_raw(g, "bridge_version", "{}", "Origin: https://evil.test\r\n")), 403);
-    const char *answer = put_raw(g, "bridge_version", "{}", "Origin: https://allowed.test\r\n");
+    const char *answer = put_raw(g, "bridge_version", "{}", "Origin: https://evil.test\r\n");
+    assert_int_equal(lf_caller_status(answer), 403);
+    assert_non_null(strstr(answer, "--allow-origin https://evil.test"));
+    answer = put_raw(g, "bridge_version", "{}", "Origin: https://allowed.test\r\n");
     assert_non_null(strstr(answer, "Access-Control-Allow-Origin: https://allowed.test\r\n"));
 }
 
@@ -457,6 +509,9 @@ int main(void)
         lf_gateway_programs_test(a_page_casts),
         lf_gateway_programs_test(the_panel_is_described),
         lf_gateway_programs_test(without_a_panel_nothing_is_played),
+        lf_gateway_programs_test(a_panel_that_went_shows_nothing),
+        lf_gateway_programs_test(what_was_overwritten_is_not_shown),
+        lf_gateway_programs_test(a_skipped_entry_was_not_shown),
         lf_gateway_programs_test(what_quiltd_refuses_fails_in_its_words),
         lf_gateway_programs_test(what_is_not_shown_was_not_played),
         lf_gateway_programs_test(what_cannot_be_done_fails),
@@ -464,7 +519,7 @@ int main(void)
         lf_gateway_programs_test(an_emptied_playlist_is_another_one),
         lf_gateway_programs_test(requests_and_failures_are_counted),
         lf_gateway_programs_test(a_quiltd_that_ends_fails_the_requests),
-        lf_gateway_programs_test(bodies_are_objects_of_one_mebibyte),
+        lf_gateway_programs_test(bodies_are_objects_of_32_kibibytes),
         lf_gateway_programs_test(listeners_are_told_of_their_orchestration),
         lf_gateway_programs_test(the_panel_comes_and_goes),
         lf_gateway_programs_test(a_listener_says_which_orchestration),

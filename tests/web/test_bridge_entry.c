@@ -135,6 +135,7 @@ static void wrong_numbers_are_refused(void **state)
     check_refused("{\"uri\":\"/a\",\"focus\":[1]}", "focus");
     check_refused("{\"uri\":\"/a\",\"zoom\":\"1e999\"}", "zoom");
     check_refused("{\"uri\":\"/a\",\"durationMS\":-1}", "durationMS");
+    check_refused("{\"uri\":\"/a\",\"isRGBD\":1,\"depth_inversion\":5}", "depth_inversion");
     check_refused("{\"uri\":\"/a\",\"isRGBD\":1,\"depth_loc\":4}", "depth_loc");
     check_refused("{\"uri\":\"/a\",\"isRGBD\":1,\"depth_loc\":-1}", "depth_loc");
 }

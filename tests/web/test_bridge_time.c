@@ -6,6 +6,7 @@
 #include <jansson.h>
 #include <netinet/in.h>
 
+#include "base/log.h"
 #include "daemon/web/bridge.h"
 #include "daemon/web/calls.h"
 #include "daemon/web/listen.h"
@@ -168,13 +169,126 @@ static void another_playlist_takes_the_place(void **state)
         "{\"entries\":[{\"file\":\"/a.png\"}],\"index\":0,\"playing\":true}";
     answer(&b, "status", "{\"device\":{\"present\":true}}");
     answer(&b, "device.calibration", "{\"serial\":\"LKG-P\",\"screenW\":8,\"screenH\":8}");
+    assert_non_null(strstr(receive(first), "another playlist is played"));
+    say(b.quiltd, "{\"jsonrpc\":\"2.0\",\"method\":\"playlist\",\"params\":{\"entries\":[{"
+                  "\"file\":\"/a.png\"}],\"index\":0,\"playing\":false}}\n");
     answer(&b, "playlist.stop", entries);
     answer(&b, "playlist.set", entries);
-    assert_true(is_open(first));
     answer(&b, "playlist.play", entries);
-    assert_non_null(strstr(receive(first), "another playlist is played"));
     assert_true(is_open(second));
     close(second);
+    close_behind(&b);
+}
+
+static const char stopped[] =
+    "{\"jsonrpc\":\"2.0\",\"method\":\"playlist\",\"params\":{\"entries\":[{"
+    "\"file\":\"/a.png\"}],\"index\":0,\"playing\":false}}\n";
+
+/* By another client; no entry was skipped. */
+static void a_stop_is_told_as_one(void **state)
+{
+    (void)state;
+    behind b;
+    open_behind(&b);
+    int fd = play(&b);
+    say(b.quiltd, stopped);
+    answer(&b, "status", "{}");
+    assert_non_null(strstr(receive(fd), "was stopped"));
+    close_behind(&b);
+}
+
+static const char shown[] =
+    "{\"jsonrpc\":\"2.0\",\"method\":\"scene\",\"params\":{\"file\":\"/a.png\"}}\n";
+
+/* As a slider sends them: the one before does not know what became of it. */
+static void a_change_takes_the_place_of_another(void **state)
+{
+    (void)state;
+    behind b;
+    static const char entries[] =
+        "{\"entries\":[{\"file\":\"/a.png\"}],\"index\":0,\"playing\":true}";
+    open_behind(&b);
+    int fd = play(&b);
+    say(b.quiltd, shown);
+    assert_non_null(strstr(receive(fd), "\"Completion\""));
+    int first = begin_with_token(&b, "update_current_entry", "\"name\":\"a\",\"zoom\":2");
+    answer(&b, "playlist.change", entries);
+    assert_true(is_open(first)); /* what is on the panel is the old one */
+    int second = begin_with_token(&b, "update_current_entry", "\"name\":\"a\",\"zoom\":3");
+    assert_true(is_open(first));
+    answer(&b, "playlist.change", entries);
+    assert_non_null(strstr(receive(first), "\"Pending\""));
+    assert_true(is_open(second));
+    say(b.quiltd, shown);
+    assert_non_null(strstr(receive(second), "\"Completion\""));
+    close_behind(&b);
+}
+
+static void fail_once(const behind *b)
+{
+    assert_non_null(strstr(receive(begin_put(b, "cancel_pending", "{}")), "\"Failure\""));
+}
+
+static void check_last_line(const char *end)
+{
+    static lf_log_line line;
+    assert_true(lf_log_line_at(lf_log_last(), &line));
+    const size_t n = strlen(line.text), n_end = strlen(end);
+    if (n < n_end || strcmp(line.text + n - n_end, end) != 0)
+        fail_msg("%s, expected %s", line.text, end);
+}
+
+/* Not once for all, and not once for each. */
+static void the_same_failure_is_logged_again(void **state)
+{
+    (void)state;
+    behind b;
+    open_behind(&b);
+    fail_once(&b);
+    const int64_t last = lf_log_last();
+    check_last_line("the storage of a panel");
+    for (int i = 0; i < 5; i++)
+        fail_once(&b);
+    assert_int_equal(lf_log_last(), last);
+    lf_clock_pass(event, LF_BRIDGE_QUIET_S);
+    check_last_line("the storage of a panel (5 more times)");
+    fail_once(&b);
+    assert_int_equal(lf_log_last(), last + 1);
+    close(begin_put(&b, "get_camera_parameters", "{}")); /* another one ends the count */
+    assert_int_equal(lf_log_last(), last + 3);
+    lf_clock_pass(event, LF_BRIDGE_QUIET_S);
+    close(begin_put(&b, "get_camera_parameters", "{}"));
+    assert_int_equal(lf_log_last(), last + 4);
+    close_behind(&b);
+}
+
+/* What needs no quiltd does not wait for one that hangs. */
+static void versions_are_told_at_once(void **state)
+{
+    (void)state;
+    behind b;
+    open_behind(&b);
+    int fd = begin_put(&b, "available_output_devices", "{}");
+    accept_quiltd(&b);
+    assert_non_null(strstr(receive(begin_put(&b, "bridge_version", "{}")), "2.6.3"));
+    assert_non_null(strstr(receive(begin_put(&b, "cancel_pending", "{}")), "\"Failure\""));
+    assert_true(is_open(fd));
+    close(fd);
+    close_behind(&b);
+}
+
+/* bridge.js takes each member of the payload for a panel. */
+static void without_quiltd_no_panel_is_told(void **state)
+{
+    (void)state;
+    behind b;
+    open_behind(&b);
+    close(b.listener);
+    b.listener = -1;
+    const char *reply = receive(begin_put(&b, "available_output_devices", "{}"));
+    assert_non_null(strstr(reply, "\"Failure\""));
+    assert_non_null(strstr(reply, "\"VARIANT_MAP\",\"value\":{}"));
+    assert_non_null(strstr(reply, "\"message\""));
     close_behind(&b);
 }
 
@@ -316,6 +430,11 @@ int main(void)
         timed(an_image_that_takes_long_is_pending),
         timed(an_image_is_waited_for),
         timed(another_playlist_takes_the_place),
+        timed(a_stop_is_told_as_one),
+        timed(a_change_takes_the_place_of_another),
+        timed(versions_are_told_at_once),
+        timed(the_same_failure_is_logged_again),
+        timed(without_quiltd_no_panel_is_told),
         timed(a_quiltd_that_hangs_is_given_up),
         timed(nobody_is_told_who_has_left),
         timed(the_end_does_not_wait),

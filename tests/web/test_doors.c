@@ -149,6 +149,8 @@ static void an_origin_is_a_name_and_a_port(void **state)
                                       "https://a.test:65536",
                                       "https://a.test:*",
                                       "https://localhost:*",
+                                      "https://a.test:443", /* browsers leave these out */
+                                      "http://a.test:80",
                                       "file://a",
                                       "http://[::1]x"};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
@@ -185,6 +187,30 @@ static void all_ports_of_this_machine_are_one_word(void **state)
         assert_false(lf_origins_have(&origins, others[i]));
 }
 
+/* Once for each door, in words that say what to do. */
+static void strangers_are_told_of_once(void **state)
+{
+    (void)state;
+    lf_strangers met = {0};
+    lf_error err = {0};
+    char name[32];
+    for (int door = 1; door < 3; door++)
+        for (int again = 0; again < 2; again++)
+            assert_int_equal(lf_strangers_meet(&met, door, "http://localhost:5174"), !again);
+    assert_true(lf_strangers_meet(&met, 1, "http://localhost:5175"));
+    for (int i = 3; i < LF_STRANGERS_MOST; i++) {
+        snprintf(name, sizeof name, "http://a%d", i);
+        assert_true(lf_strangers_meet(&met, 1, name));
+    }
+    assert_false(lf_strangers_meet(&met, 1, "http://b")); /* the log is not filled */
+    lf_origins_refusal("http://localhost:5174", &err);
+    assert_non_null(strstr(err.what, "--allow-origin http://localhost:5174"));
+    lf_origins_refusal("null", &err); /* cannot be allowed */
+    assert_null(strstr(err.what, "--allow-origin"));
+    lf_origins_refusal("http://\n\033[31m", &err);
+    assert_null(strpbrk(err.what, "\n\033"));
+}
+
 static void origins_are_bounded(void **state)
 {
     (void)state;
@@ -211,6 +237,7 @@ int main(void)
         lf_gateway_programs_test(a_door_has_the_names_of_its_port_alone),
         cmocka_unit_test(an_origin_is_a_name_and_a_port),
         cmocka_unit_test(all_ports_of_this_machine_are_one_word),
+        cmocka_unit_test(strangers_are_told_of_once),
         cmocka_unit_test(origins_are_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

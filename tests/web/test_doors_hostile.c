@@ -147,12 +147,39 @@ static void ten_thousand_connections_keep_nobody_out(void **state)
     }
 }
 
+/* Requests whose bodies do not come take the places of one door. */
+static void the_places_of_a_door_are_its_own(void **state)
+{
+    (void)state;
+    lf_web *web = begin_web();
+    int held[LF_WEB_MAX_PROGRAMS];
+    char text[128];
+    const int n = snprintf(text, sizeof text,
+                           "PUT /bridge_version HTTP/1.1\r\nHost: localhost:%d\r\n"
+                           "Content-Length: 10\r\n\r\n",
+                           lf_web_port(web, LF_DOOR_BRIDGE));
+    for (int i = 0; i < LF_WEB_MAX_PROGRAMS; i++) {
+        held[i] = connect_client(web, LF_DOOR_BRIDGE);
+        assert_int_equal(send(held[i], text, (size_t)n, MSG_NOSIGNAL), n);
+        lf_clock_settle(event);
+    }
+    for (lf_door door = LF_DOOR_PAGE; door < LF_DOORS; door++)
+        assert_int_equal(status_of(web, door, "GET /", ""), door == LF_DOOR_BRIDGE ? 0 : 200);
+    close(held[0]);
+    lf_clock_settle(event);
+    assert_int_equal(status_of(web, LF_DOOR_BRIDGE, "GET /", ""), 200);
+    for (int i = 1; i < LF_WEB_MAX_PROGRAMS; i++)
+        close(held[i]);
+    lf_web_destroy(web);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_door_has_a_row),
         cmocka_unit_test_setup_teardown(a_large_body_is_refused_before_it_comes, setup, teardown),
         cmocka_unit_test_setup_teardown(a_slow_client_has_ten_seconds, setup, teardown),
+        cmocka_unit_test_setup_teardown(the_places_of_a_door_are_its_own, setup, teardown),
         cmocka_unit_test_setup_teardown(ten_thousand_connections_keep_nobody_out, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
