@@ -76,6 +76,32 @@ static char *format_names(bool all, lf_image_kind kind, char *buf, size_t size)
     return buf;
 }
 
+const char *lf_image_foreign(const uint8_t *head, size_t n)
+{
+    static const struct {
+        size_t at, length;
+        const char *magic, *name;
+    } rows[] = {{0, 4, "II*\0", "TIFF"},    {0, 4, "MM\0*", "TIFF"},    {8, 4, "WEBP", "WebP"},
+                {4, 8, "ftypheic", "HEIC"}, {4, 8, "ftypheix", "HEIC"}, {4, 8, "ftypheim", "HEIC"},
+                {4, 8, "ftypheis", "HEIC"}, {4, 8, "ftypmif1", "HEIC"}, {4, 8, "ftypavif", "AVIF"}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        if (rows[i].at + rows[i].length <= n &&
+            memcmp(head + rows[i].at, rows[i].magic, rows[i].length) == 0)
+            return rows[i].at == 8 && memcmp(head, "RIFF", 4) != 0 ? NULL : rows[i].name;
+    return NULL;
+}
+
+bool lf_image_is_foreign(const char *path, const lf_roots *roots)
+{
+    uint8_t head[LF_IMAGE_HEAD_BYTES];
+    int fd;
+    if (lf_file_open(path, roots, UINT64_MAX, &fd, NULL, NULL) != LF_OK)
+        return false;
+    const ssize_t n = pread(fd, head, sizeof head, 0);
+    close(fd);
+    return n > 0 && lf_image_foreign(head, (size_t)n);
+}
+
 static lf_status recognise(const lf_image_source *source, const lf_image_format **out,
                            lf_error *err)
 {
@@ -90,6 +116,11 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
             return LF_OK;
         }
     }
+    if (lf_image_foreign(head, (size_t)n))
+        return lf_error_set(err, LF_E_FORMAT, source->where,
+                            "is a %s image, which quiltd does not read; convert it to PNG with "
+                            "ffmpeg or ImageMagick",
+                            lf_image_foreign(head, (size_t)n));
     return lf_error_set(err, LF_E_FORMAT, source->where, "not an image; expected %s",
                         format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }

@@ -27,6 +27,13 @@ LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots,
 LF_NODISCARD lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
                                            lf_error *err);
 
+/* The name of the format of an image that starts with these n bytes and that no function here
+ * reads: TIFF, WebP, HEIC, AVIF. NULL: none. */
+const char *lf_image_foreign(const uint8_t *head, size_t n);
+/* True if path names a file of such a format; every reader refuses it with its name and a remedy.
+ */
+bool lf_image_is_foreign(const char *path, const lf_roots *roots);
+
 /* The ending (".PNG") within path if it belongs to a picture format, otherwise NULL. */
 const char *lf_image_ending(const char *path);
 /* The index-th ending of float formats, without the dot; NULL after the last. */

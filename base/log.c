@@ -18,6 +18,8 @@ static struct {
     const char *program;
     lf_log_level level;
     bool journal; /* stderr is the journal: lines carry their level */
+    void (*taken)(void *context, lf_log_level level, const char *text); /* NULL: stderr */
+    void *context;
 } log_state = {.program = "quiltd", .level = LF_LOG_INFO};
 
 /* The last lines; line n is at n % LF_LOG_KEPT. */
@@ -48,6 +50,12 @@ void lf_log_init(const char *program, lf_log_level level)
     log_state.program = program;
     log_state.level = debug && strcmp(debug, "1") == 0 ? LF_LOG_DEBUG : level;
     log_state.journal = stderr_is_journal();
+}
+
+void lf_log_take(void (*taken)(void *context, lf_log_level level, const char *text), void *context)
+{
+    log_state.taken = taken;
+    log_state.context = context;
 }
 
 static void write_line(const char *line, size_t n)
@@ -107,6 +115,10 @@ void lf_log(lf_log_level level, const char *fmt, ...)
     va_start(ap, fmt);
     vsnprintf(text, sizeof text, fmt, ap);
     va_end(ap);
+    if (log_state.taken) {
+        log_state.taken(log_state.context, level, text);
+        return;
+    }
     int n = log_state.journal
                 ? snprintf(line, sizeof line, "<%d>%s: ", (int)level, log_state.program)
                 : snprintf(line, sizeof line, "%s: ", log_state.program);

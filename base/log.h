@@ -24,6 +24,10 @@ void lf_log_init(const char *program, lf_log_level level);
 
 void lf_log(lf_log_level level, const char *fmt, ...) LF_PRINTF(2, 3);
 
+/* From now on lines up to the level shown go to taken, unescaped, on the thread that logs, instead
+ * of to stderr and to the lines in memory. NULL: as before. Call while no other thread logs. */
+void lf_log_take(void (*taken)(void *context, lf_log_level level, const char *text), void *context);
+
 /* Logs an error as one line at LF_LOG_ERROR. */
 void lf_log_error(const lf_error *err);
 

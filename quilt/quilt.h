@@ -213,7 +213,7 @@ typedef struct lf_photo {
     int n_views;    /* the first views of a quilt that are used; 0, or more than there are: all */
     /* set by the program, not by users: */
     double frame;  /* width / height of the panel or print; 0: none */
-    bool on_paper; /* borders within the views of a folder are white */
+    bool on_paper; /* borders within the views of a folder, or of a picture with depth, are white */
 } lf_photo;
 /* Names, ranges and defaults of the user's options (base/param.h): mode and position, and options
  * for reading pictures. */

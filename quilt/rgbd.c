@@ -190,10 +190,11 @@ double lf_rgbd_shift(const lf_rgbd *rgbd, int view, int n_views, double code)
 double lf_rgbd_step(const lf_rgbd *rgbd, int n_views)
 {
     double most = 0;
+    const double ends[] = {rgbd->cutoff, 1};
     for (int i = 1; i < n_views; i++)
-        for (int code = 0; code <= 1; code++)
-            most = fmax(most, fabs(lf_rgbd_shift(rgbd, i, n_views, code) -
-                                   lf_rgbd_shift(rgbd, i - 1, n_views, code) +
+        for (int k = 0; k < 2; k++)
+            most = fmax(most, fabs(lf_rgbd_shift(rgbd, i, n_views, ends[k]) -
+                                   lf_rgbd_shift(rgbd, i - 1, n_views, ends[k]) +
                                    2 * rgbd->focus / (n_views - 1)));
     return most;
 }

@@ -46,6 +46,9 @@ typedef struct lf_standing {
     double focus;        /* view i of N moves to the right by (2 i/(N-1) - 1) focus of its width */
     double zoom;
     double crop_x, crop_y; /* half widths, half heights of the picture */
+    /* no key: borders of a finished picture are white, not black (lf_photo's is for a picture with
+     * depth) */
+    bool on_paper;
 } lf_standing;
 /* Its keys and options (base/param.h). */
 extern const lf_param lf_standing_params[];
@@ -115,8 +118,8 @@ double lf_rgbd_camera(const lf_rgbd *rgbd, int view, int n_views);
  * in widths of the view and not included). */
 double lf_rgbd_shift(const lf_rgbd *rgbd, int view, int n_views, double code);
 
-/* The largest shift of any code between neighbouring views, with focus, in widths of the picture; 0
- * for one view. */
+/* The largest shift of any code from the cutoff to 1 between neighbouring views, with focus, in
+ * widths of the picture; 0 for one view. */
 double lf_rgbd_step(const lf_rgbd *rgbd, int n_views);
 
 /* A packed picture with both halves, 8 bits, display encoded. Borrowed. */
@@ -139,10 +142,10 @@ lf_rgbd_look lf_rgbd_look_at(const lf_rgbd *rgbd, const lf_rgbd_picture *picture
  * size. */
 typedef struct lf_rgbd_warp lf_rgbd_warp;
 /* Views as in layout: n_views of view_width x view_height pixels, displayed with its aspect. The
- * picture is placed on them as rgbd->photo says, with black borders; where it ends at the side of
- * its own frame it goes on mirrored. pool may be NULL and must be the one of lf_rgbd_warp_run.
- * picture->data is not read. LF_E_ARG (options, not numbers), LF_E_FORMAT (no halves; err names
- * `where`), LF_E_NOMEM. */
+ * picture is placed on them as rgbd->photo says, with borders of black, or white on paper; where it
+ * ends at the side of its own frame it goes on mirrored. pool may be NULL and must be the one of
+ * lf_rgbd_warp_run. picture->data is not read. LF_E_ARG (options, not numbers), LF_E_FORMAT (no
+ * halves; err names `where`), LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_rgbd_warp_create(const lf_rgbd *rgbd, const lf_rgbd_picture *picture,
                                            const lf_layout *layout, const lf_pool *pool,
                                            const char *where, lf_rgbd_warp **out, lf_error *err);
@@ -190,8 +193,8 @@ void lf_rgbd_file_close(lf_rgbd_file *file);
 bool lf_standing_is_plain(const lf_standing *standing);
 /* Moves (focus), scales (zoom) and shifts (crop) finished 8-bit views into out,
  * [view][row][column][3] of the same size, which must not overlap them. Linear interpolation of
- * codes along x and y; borders are black, and where focus moves a view's own side into the picture
- * it goes on mirrored. pool may be NULL. Allocates nothing. */
+ * codes along x and y; borders are black, or white on paper, and where focus moves a view's own
+ * side into the picture it goes on mirrored. pool may be NULL. Allocates nothing. */
 void lf_standing_views8(const lf_standing *standing, const lf_views8 *views, uint8_t *out,
                         lf_pool *pool);
 

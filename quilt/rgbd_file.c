@@ -68,7 +68,7 @@ lf_status lf_rgbd_file_take(const lf_raster *raster, const char *name, const lf_
     lf_status status = lf_standing_check(standing, name, err);
     if (status == LF_OK && !raster->data8)
         status = lf_error_set(err, LF_E_FORMAT, name,
-                              "an image with depth must be PNG, JPEG or WebP, not EXR or HDR");
+                              "an image with depth must be PNG or JPEG, not EXR or HDR");
     if (status == LF_OK)
         status = lf_rgbd_size(side, raster->width, raster->height, name, &width, &height, err);
     if (status == LF_OK && lf_rgbd_tiles(&raster->meta.depth, width, height) > 1)

@@ -308,7 +308,7 @@ static void draw_row(void *context, int y, int worker)
     for (int i = 0; i < l->n_views; i++) {
         uint8_t *to = run->out + (size_t)i * view + (size_t)y * line;
         if (!is_inside || w->left > 0 || w->right < l->view_width)
-            memset(to, 0, line);
+            memset(to, w->rgbd.photo.on_paper ? 255 : 0, line);
         if (is_inside)
             lf_rgbd_row_draw(row, w->light, &w->move[i], w->right - w->left,
                              to + 3 * (size_t)w->left);

@@ -15,6 +15,7 @@ typedef struct standing_run {
     double zoom;
     double x0, y0, x1, y1; /* the picture on the view, in pixels */
     int taps;
+    int border;      /* code of what the picture does not cover */
     bool only_moves; /* zoom and crop leave the picture as it is */
 } standing_run;
 
@@ -97,7 +98,7 @@ static void draw_row(void *context, int item, int worker)
     }
     for (int x = 0; x < v->width; x++, out += 3)
         if (x + 0.5 < run->x0 || x + 0.5 >= run->x1 || y + 0.5 < run->y0 || y + 0.5 >= run->y1)
-            memset(out, 0, 3);
+            memset(out, run->border, 3);
         else
             draw_pixel(run, view, x - t * run->focus, y, out);
 }
@@ -112,7 +113,8 @@ void lf_standing_views8(const lf_standing *standing, const lf_views8 *views, uin
                         .zoom = zoom,
                         .x0 = 0.5 * (views->width - width * (1 + standing->crop_x)),
                         .y0 = 0.5 * (views->height - height * (1 + standing->crop_y)),
-                        .taps = (int)fmin(ceil(1 / zoom), MOST_TAPS)};
+                        .taps = (int)fmin(ceil(1 / zoom), MOST_TAPS),
+                        .border = standing->on_paper ? 255 : 0};
     const int n = views->n_views * views->height;
     run.out = out;
     run.only_moves = zoom == 1 && standing->crop_x == 0 && standing->crop_y == 0;

@@ -159,7 +159,7 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     bool meant = named && dot && strcmp(dot, ".json") != 0;
     if (lf_movie_ending(load->file) || lf_is_movie(load->file, roots))
         return load_quilt(roots, load, named, true, out);
-    if (meant || lf_is_quilt(load->file, roots))
+    if (meant || lf_is_quilt(load->file, roots) || lf_image_is_foreign(load->file, roots))
         return load_quilt(roots, load, named, false, out);
     if (load->words.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/image_io.h"
 #include "daemon/media/probe.h"
 
 #define HEAD 16
@@ -21,6 +22,8 @@ const char *lf_movie_demuxer(const uint8_t *head, size_t n)
                 {4, "free", "mov"},   {4, "skip", "mov"},
                 {8, "AVI ", "avi"},   {0, "GIF87a", "gif"},
                 {0, "GIF89a", "gif"}, {0, "\x1a\x45\xdf\xa3", "matroska"}};
+    if (lf_image_foreign(head, n)) /* HEIC and AVIF look like MP4 */
+        return NULL;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const size_t length = strlen(rows[i].magic);
         if (rows[i].at + length <= n && memcmp(head + rows[i].at, rows[i].magic, length) == 0)

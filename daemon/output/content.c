@@ -72,7 +72,7 @@ static lf_status take_quilt(const char *file, const lf_photo *photo, const lf_op
     lf_status status = LF_OK;
     if (!is_rgbd) {
         lf_photo_cut(photo, &content->quilt);
-        status = lf_rgbd_stand(options, file, &content->quilt, err);
+        status = lf_rgbd_stand(&options->standing, options->threads, file, &content->quilt, err);
     }
     if (status != LF_OK) {
         lf_content_unref(content);

@@ -1,6 +1,7 @@
 #include "daemon/output/rgbd_views.h"
 
 #include <math.h>
+#include <stdio.h>
 
 lf_status lf_rgbd_layout(const lf_options *options, double aspect,
                          const lf_calibration *calibration, lf_layout *out, lf_error *err)
@@ -27,16 +28,16 @@ lf_status lf_rgbd_draw(const lf_rgbd_file *file, const char *name, const lf_opti
     return status;
 }
 
-lf_status lf_rgbd_stand(const lf_options *options, const char *name, lf_quilt_file *quilt,
-                        lf_error *err)
+lf_status lf_rgbd_stand(const lf_standing *standing, int threads, const char *name,
+                        lf_quilt_file *quilt, lf_error *err)
 {
     lf_pool *pool = NULL;
-    if (lf_standing_is_plain(&options->standing))
+    if (lf_standing_is_plain(standing))
         return LF_OK;
-    lf_status status = lf_pool_create(options->threads, &pool);
+    lf_status status = lf_pool_create(threads, &pool);
     if (status != LF_OK)
         return lf_error_set(err, status, name, "cannot start the worker threads");
-    status = lf_quilt_stand(&options->standing, name, quilt, pool, err);
+    status = lf_quilt_stand(standing, name, quilt, pool, err);
     lf_pool_destroy(pool);
     return status;
 }
@@ -75,7 +76,23 @@ double lf_rgbd_print_depth(lf_rgbd_file *file, const lf_print *print)
     natural.focus = 0;
     const double lenses = lenses_of(file, print) * file->rgbd.zoom,
                  step = lenses * lf_rgbd_step(&natural, print->n_views);
+    /* a little more than needed, so that rounding does not exceed the limit */
     if (!file->rgbd.is_known && step > 1)
-        file->rgbd.disparity /= step;
+        file->rgbd.disparity /= step * (1 + 1e-9);
     return lenses * lf_rgbd_step(&file->rgbd, print->n_views);
+}
+
+char *lf_rgbd_print_words(const lf_rgbd *rgbd, double depthiness, double shift, char *buf,
+                          size_t size)
+{
+    const double fits = depthiness / shift, digit = pow(10, floor(log10(fits)) - 1);
+    char remedy[64];
+    if (rgbd->focus == 0 && fits > 0)
+        snprintf(remedy, sizeof remedy, "use --depthiness %.2g", floor(fits / digit) * digit);
+    else
+        snprintf(remedy, sizeof remedy, "use less --depthiness or --focus");
+    snprintf(buf, size,
+             "too deep for lenses: points shift by up to %.3g lenses between views (limit 1); %s",
+             shift, remedy);
+    return buf;
 }

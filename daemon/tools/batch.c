@@ -10,9 +10,13 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/list.h"
 #include "base/log.h"
+#include "daemon/tools/batch_words.h"
 
 #define MOST_PICTURES 1000000
+/* Names of pictures that failed, in the last line. */
+#define MOST_NAMES 8
 
 typedef struct batch {
     const lf_rendering *start;
@@ -21,6 +25,8 @@ typedef struct batch {
     int n, n_made, n_kept, n_failed;
     double begun;
     lf_progress_line line;
+    lf_batch_words words;
+    char failed[1024]; /* the first names */
 } batch;
 
 /* ------------------------------------------------------------------------------------- names -- */
@@ -28,6 +34,22 @@ typedef struct batch {
 static int is_picture(const struct dirent *entry)
 {
     return entry->d_name[0] != '.' && lf_image_ending(entry->d_name);
+}
+
+/* Leaves out folders that are named like pictures. */
+static void drop_folders(batch *b)
+{
+    int n = 0;
+    for (int i = 0; i < b->n; i++) {
+        char *path = lf_path_join(b->arguments->scene, b->names[i]->d_name);
+        struct stat info;
+        if (path && stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+            free(b->names[i]);
+        else
+            b->names[n++] = b->names[i];
+        lf_free(path);
+    }
+    b->n = n;
 }
 
 static lf_status list_pictures(batch *b, lf_error *err)
@@ -39,6 +61,7 @@ static lf_status list_pictures(batch *b, lf_error *err)
         return lf_error_set(err, LF_E_IO, folder, "cannot read the folder: %s",
                             lf_errno_text(errno));
     }
+    drop_folders(b);
     if (b->n == 0)
         return lf_error_set(err, LF_E_FORMAT, folder, "the folder has no images");
     if (b->n > MOST_PICTURES)
@@ -76,6 +99,23 @@ static char *out_of(const batch *b, const char *name)
     return out;
 }
 
+/* True if a quilt of this name may have the tiles of the options. */
+static bool has_tiles(const batch *b, const char *file)
+{
+    const lf_options *o = &b->arguments->options;
+    const lf_preset *preset = o->views == 0 ? lf_options_preset(o) : NULL;
+    const int wanted[2] = {o->columns > 0 ? o->columns
+                           : preset       ? preset->layout.columns
+                                          : 0,
+                           o->columns > 0 ? o->rows
+                           : preset       ? preset->layout.rows
+                                          : 0};
+    int columns, rows;
+    double aspect;
+    return wanted[0] == 0 || (lf_layout_from_name(file, &columns, &rows, &aspect) &&
+                              columns == wanted[0] && rows == wanted[1]);
+}
+
 /* True if the file is the output of this picture: named so, a quilt with its suffix. */
 static bool is_output(const batch *b, const char *file, const char *name)
 {
@@ -86,7 +126,7 @@ static bool is_output(const batch *b, const char *file, const char *name)
         return false;
     const bool is_quilt =
         b->arguments->kind == &lf_output_quilt && b->arguments->options.views != 1;
-    return is_quilt ? suffix && file + stem == suffix : file + stem == own;
+    return is_quilt ? suffix && file + stem == suffix && has_tiles(b, file) : file + stem == own;
 }
 
 static bool is_made(const batch *b, const char *name)
@@ -114,10 +154,14 @@ static lf_status make(batch *b, const char *name, lf_error *err)
         arguments.out = out;
         r.arguments = &arguments;
         r.line = (lf_progress_line){0};
+        b->words.image = scene;
+        b->words.number++;
+        lf_log_take(lf_batch_words_take, &b->words);
         status = lf_rendering_open(&r, err);
         if (status == LF_OK)
             status = lf_rendering_write(&r, err);
         lf_rendering_finish(&r);
+        lf_log_take(NULL, NULL);
     }
     lf_free(scene);
     lf_free(out);
@@ -141,7 +185,10 @@ static bool take(batch *b, int i, lf_error *err)
     const char *name = b->names[i]->d_name, *twin = twin_of(b, i);
     lf_status status;
     show(b, i);
-    if (twin) {
+    if (lf_layout_suffix(name)) {
+        status = lf_error_set(err, LF_E_FORMAT, name,
+                              "is named as a quilt; rename it, if it is an image with depth");
+    } else if (twin) {
         status =
             lf_error_set(err, LF_E_ARG, name, "has the output of %s; rename one of them", twin);
     } else if (!b->arguments->frames.overwrite && is_made(b, name)) {
@@ -158,22 +205,29 @@ static bool take(batch *b, int i, lf_error *err)
         return false;
     lf_progress_line_clear(&b->line);
     lf_log_error(err);
-    b->n_failed++;
+    if (b->n_failed++ < MOST_NAMES)
+        lf_list_add(b->failed, sizeof b->failed, "%s", name);
     return true;
 }
 
 static int tell(batch *b)
 {
     lf_progress_line_clear(&b->line);
+    lf_batch_words_tell(&b->words);
     if (b->n_kept > 0)
         lf_log(LF_LOG_INFO,
-               "%d of %d outputs exist and are kept; use --overwrite to make them again", b->n_kept,
-               b->n);
+               "%d of %d outputs exist and are kept, whatever their images and options; use "
+               "--overwrite to make them again",
+               b->n_kept, b->n);
     lf_log(LF_LOG_INFO, "wrote %d outputs to %s (%.0f s)", b->n_made, b->arguments->depth.batch,
            lf_time_now() - b->begun);
     if (b->n_failed == 0)
         return LF_EXIT_OK;
-    lf_log(LF_LOG_ERROR, "%s: %d of %d images failed", b->arguments->scene, b->n_failed, b->n);
+    char more[32] = "";
+    if (b->n_failed > MOST_NAMES)
+        snprintf(more, sizeof more, " and %d more", b->n_failed - MOST_NAMES);
+    lf_log(LF_LOG_ERROR, "%s: %d of %d images failed: %s%s", b->arguments->scene, b->n_failed, b->n,
+           b->failed, more);
     return LF_EXIT_FAILED;
 }
 

@@ -145,7 +145,12 @@ int main(int argc, char **argv)
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
     lf_papers_add();
-    if (lf_render_arguments_parse(argc, argv, &a, &done, &err) != LF_OK)
+    const lf_status status = lf_render_arguments_parse(argc, argv, &a, &done, &err);
+    if (status == LF_E_IO) {
+        lf_log_error(&err);
+        return LF_EXIT_FAILED;
+    }
+    if (status != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;

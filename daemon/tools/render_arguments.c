@@ -1,10 +1,12 @@
 #include "daemon/tools/render_arguments.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
 #include "daemon/output/hld.h"
 
 #define MAX_PASSES (INT64_C(1) << 40)
@@ -410,23 +412,29 @@ static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
                : LF_OK;
 }
 
-/* A folder of pictures with depth is a batch if OUT is a folder, too. */
-static void take_batch(lf_render_arguments *a)
+/* A folder of pictures with depth is a batch if OUT is a folder, too. LF_E_IO: there is no input;
+ * LF_E_ARG: both are the same folder, where outputs would be the next run's inputs. */
+static lf_status take_batch(lf_render_arguments *a, lf_error *err)
 {
-    struct stat folder;
+    struct stat folder, out;
     const lf_rgbd_in side = a->options.standing.rgbd_in;
+    const bool is_jpeg = a->options.file.quality > 0 && (!a->asked || !a->asked->needs_panel);
     if (!a->scene || side == LF_RGBD_IN_AUTO || side == LF_RGBD_IN_OFF ||
-        stat(a->scene, &folder) != 0 || !S_ISDIR(folder.st_mode))
-        return;
-    const bool is_folder = lf_output_fits(&lf_output_views, a->out),
-               is_jpeg = a->options.file.quality > 0 && (!a->asked || !a->asked->needs_panel);
-    if (!is_folder)
-        return;
+        !lf_output_fits(&lf_output_views, a->out))
+        return LF_OK;
+    if (stat(a->scene, &folder) != 0)
+        return lf_error_set(err, LF_E_IO, a->scene, "cannot open: %s", lf_errno_text(errno));
+    if (!S_ISDIR(folder.st_mode))
+        return LF_OK;
+    if (stat(a->out, &out) == 0 && out.st_dev == folder.st_dev && out.st_ino == folder.st_ino)
+        return lf_error_set(err, LF_E_ARG, a->out,
+                            "is the folder of the images; choose another folder for the outputs");
     a->depth.batch = a->out;
     a->out = a->asked && a->asked->check_print            ? "batch.tif"
              : a->asked == &lf_output_wiggle              ? "batch.gif"
              : is_jpeg && !(a->asked && a->asked->layers) ? "batch.jpg"
                                                           : "batch.png";
+    return LF_OK;
 }
 
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
@@ -445,7 +453,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     if (!a->out || a->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
-    take_batch(a);
+    if (take_batch(a, err) != LF_OK)
+        return err->status;
     if (a->depth.batch && a->stats)
         return lf_error_set(err, LF_E_ARG, "--stats",
                             "cannot be combined with a folder of images with depth");

@@ -57,7 +57,8 @@ typedef struct lf_render_arguments {
 } lf_render_arguments;
 
 /* Parses argv into *out (strings point into it; unused members are zero). *out_done: --help or
- * --version was printed. LF_E_ARG with the option as `where`. */
+ * --version was printed. LF_E_ARG with the option as `where`; LF_E_IO: the folder of a batch is
+ * missing. */
 LF_NODISCARD lf_status lf_render_arguments_parse(int argc, char *const argv[],
                                                  lf_render_arguments *out, bool *out_done,
                                                  lf_error *err);

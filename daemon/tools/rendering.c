@@ -103,13 +103,14 @@ static void warn_of_depth(const lf_rendering *r)
                lf_depth_words(&depth, r->settings.width, place, words, sizeof words));
 }
 
-/* Measures the depth for the manifest of a print. */
+/* Measures a scene's depth for the manifest of a print. */
 static void measure_depth(lf_rendering *r)
 {
     lf_depth depth;
+    if (!r->scene)
+        return;
     r->print.parallax_lenses = 0;
-    if (r->arguments->kind->check_print && r->scene &&
-        lf_scene_depth(r->scene, &r->settings, &depth) &&
+    if (r->arguments->kind->check_print && lf_scene_depth(r->scene, &r->settings, &depth) &&
         lf_depth_exceeds(&depth, &r->settings.camera, LF_DEPTH_PRINT))
         r->print.parallax_lenses = fmin(lf_depth_shift(&depth), r->settings.width);
 }
@@ -292,14 +293,43 @@ static void mark_depth(lf_rendering *r)
                    r->film);
 }
 
+/* The settings of a finished picture: what it is, how it stands, and how deep it was drawn. */
+static json_t *record_picture(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    const lf_standing *standing = &a->options.standing;
+    static const char *const of_depth[] = {"rgbd_in", "depth_inversion", "chroma_depth",
+                                           "depthiness", "depth_cutoff"};
+    json_t *made = json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views,
+                             "aspect", r->layout.aspect);
+    const bool has_depth = r->rgbd.side != LF_RGBD_IN_AUTO;
+    if (!has_depth && lf_standing_is_plain(standing))
+        return made;
+    lf_standing drawn = *standing;
+    drawn.rgbd_in = r->rgbd.side;
+    json_t *how = lf_param_json(lf_standing_params, &drawn);
+    if (has_depth) {
+        json_object_set_new(how, "geometry", json_string(r->rgbd.is_known ? "known" : "unknown"));
+        json_object_set_new(how, "disparity", json_real(r->rgbd.disparity));
+        json_object_set_new(how, "plane", json_real(r->rgbd.plane));
+    }
+    for (size_t i = 0; !has_depth && i < sizeof of_depth / sizeof *of_depth; i++)
+        json_object_del(how, of_depth[i]);
+    if (json_object_update(made, how) != 0) {
+        json_decref(made);
+        made = NULL;
+    }
+    json_decref(how);
+    return made;
+}
+
 static json_t *make_record(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     if (!a->scene)
         return json_object();
     if (r->is_quilt)
-        return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views, "aspect",
-                         r->layout.aspect);
+        return record_picture(r);
     return lf_output_settings(a->scene, &r->settings,
                               lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
                               a->options.estimator, r->reconstructs,

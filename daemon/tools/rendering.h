@@ -44,6 +44,7 @@ typedef struct lf_rendering {
     lf_render_settings settings;
     lf_layout layout;
     lf_quilt_file quilt;
+    lf_rgbd rgbd; /* how a picture with depth was drawn; zeroed: the input is none */
     bool is_quilt;
     bool reconstructs; /* show the reconstructed picture */
     float *film;       /* [row][view][column][3] */

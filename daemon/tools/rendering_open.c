@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/image_io.h"
 #include "base/log.h"
 #include "daemon/media/movie.h"
 #include "daemon/output/content.h"
@@ -80,6 +81,9 @@ static void lay_out_quilt(lf_rendering *r)
 static lf_status refuse_quilt(const lf_render_arguments *a, lf_error *err)
 {
     char where[64];
+    if (a->kind->layers && lf_rgbd_side_of(&a->options.standing, a->scene) != LF_RGBD_IN_OFF)
+        return lf_error_set(err, LF_E_ARG, a->scene,
+                            "is a finished image, which has its depth; --rgbd needs a scene");
     if (a->kind->layers)
         return lf_error_set(err, LF_E_ARG, a->scene,
                             "is a finished image without depth; --rgbd needs a scene");
@@ -130,7 +134,9 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return status;
     if (a->kind->needs_panel)
         lf_photo_cut(&photo, &r->quilt);
-    status = lf_rgbd_stand(o, a->scene, &r->quilt, err);
+    lf_standing standing = o->standing;
+    standing.on_paper = photo.on_paper;
+    status = lf_rgbd_stand(&standing, o->threads, a->scene, &r->quilt, err);
     if (status != LF_OK)
         return status;
     lf_log_notes(&r->quilt.notes, a->scene);
@@ -557,6 +563,16 @@ static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
     return LF_OK;
 }
 
+/* Refuses a file that is meant as an image but cannot be read as one, before options are compared
+ * with its kind. */
+static lf_status check_image(const lf_render_arguments *a, lf_error *err)
+{
+    lf_image_kind kind;
+    if (lf_image_is_foreign(a->scene, NULL) || (a->photo_option && lf_image_ending(a->scene)))
+        return lf_image_probe(a->scene, NULL, &kind, err);
+    return LF_OK;
+}
+
 /* Opens what is to be rendered, or a finished image. */
 static lf_status open_input(lf_rendering *r, lf_error *err)
 {
@@ -565,7 +581,10 @@ static lf_status open_input(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, a->scene,
                             "is a video, which quiltd plays; take images from it with ffmpeg -i "
                             "FILE frame_%%04d.png");
-    return a->depth.batch || lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
+    if (a->depth.batch || lf_is_quilt(a->scene, NULL))
+        return open_quilt(r, err);
+    lf_status status = check_image(a, err);
+    return status == LF_OK ? open_scene(r, err) : status;
 }
 
 lf_status lf_rendering_open(lf_rendering *r, lf_error *err)

@@ -49,7 +49,13 @@ static lf_status lay_out_print(lf_rendering *r, lf_rgbd_file *file, lf_layout *o
     lf_status status = lf_rendering_open_print(r, LF_MAX_VIEWS, err);
     if (status != LF_OK)
         return status;
-    r->print.parallax_lenses = lf_rgbd_print_depth(file, &r->print);
+    const double shift = lf_rgbd_print_depth(file, &r->print);
+    char words[160];
+    r->print.parallax_lenses = shift; /* for the manifest */
+    if (shift > 1)
+        lf_log(
+            LF_LOG_WARNING, "%s: %s", a->scene,
+            lf_rgbd_print_words(&file->rgbd, o->standing.depthiness, shift, words, sizeof words));
     *out = lf_rgbd_print_layout(file, &r->print);
     return LF_OK;
 }
@@ -63,6 +69,7 @@ lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err
     if (a->options.has_exposure)
         return lf_error_set(err, LF_E_ARG, "--exposure",
                             "cannot be combined with a finished 8-bit image; use an EXR file");
+    photo.on_paper = is_print;
     if (a->kind->needs_panel)
         photo.frame = (double)r->calibration.screen_width_px / r->calibration.screen_height_px;
     else if (is_print)
@@ -77,11 +84,14 @@ lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err
     status = (is_print ? lay_out_print : lay_out)(r, &file, &layout, err);
     if (status == LF_OK)
         status = lf_rgbd_draw(&file, a->scene, &a->options, &layout, &r->quilt, err);
+    lf_rgbd drawn = file.rgbd;
+    drawn.side = side; /* of the file, not of the turned halves */
     lf_rgbd_file_close(&file);
     if (status != LF_OK)
         return status;
     lf_log_notes(&r->quilt.notes, a->scene);
     r->is_quilt = true;
+    r->rgbd = drawn;
     r->layout = layout;
     return LF_OK;
 }

@@ -48,6 +48,47 @@ static void kinds_are_told_by_contents(void **state)
     lf_image8_finish(&image);
 }
 
+static void formats_that_are_not_read_are_named(void **state)
+{
+    static const struct {
+        const char *head, *name;
+    } cases[] = {{"II*\0........", "TIFF"},
+                 {"MM\0*........", "TIFF"},
+                 {"RIFF....WEBP", "WebP"},
+                 {"\0\0\0\x18"
+                  "ftypheic",
+                  "HEIC"},
+                 {"\0\0\0\x18"
+                  "ftypmif1",
+                  "HEIC"},
+                 {"\0\0\0\x18"
+                  "ftypavif",
+                  "AVIF"},
+                 {"\0\0\0\x18"
+                  "ftypisom",
+                  NULL},
+                 {"XXXX....WEBP", NULL},
+                 {"RIFF....AVI ", NULL}};
+    char words[64];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *name = lf_image_foreign((const uint8_t *)cases[i].head, 12);
+        assert_string_equal(name ? name : "", cases[i].name ? cases[i].name : "");
+        assert_null(lf_image_foreign((const uint8_t *)cases[i].head, 3));
+        FILE *file = fopen(lf_test_path(*state, "foreign.png"), "w");
+        assert_non_null(file);
+        assert_int_equal(fwrite(cases[i].head, 1, 12, file), 12);
+        assert_int_equal(fclose(file), 0);
+        lf_image_kind kind;
+        lf_error err;
+        const char *path = lf_test_path(*state, "foreign.png");
+        assert_int_equal(lf_image_is_foreign(path, NULL), !!name);
+        lf_assert_status(lf_image_probe(path, NULL, &kind, &err), LF_E_FORMAT, &err);
+        snprintf(words, sizeof words, "is a %s image", name ? name : "");
+        assert_non_null(strstr(err.what, name ? words : "not an image"));
+    }
+    assert_false(lf_image_is_foreign(lf_test_path(*state, "none.png"), NULL));
+}
+
 static void pictures_outside_the_roots_are_not_read(void **state)
 {
     const char *path = lf_test_path(*state, "a.png");
@@ -219,6 +260,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_over_the_limits_are_refused),
         cmocka_unit_test(kinds_are_told_by_contents),
+        cmocka_unit_test(formats_that_are_not_read_are_named),
         cmocka_unit_test(endings_are_those_of_the_formats),
         cmocka_unit_test(pictures_outside_the_roots_are_not_read),
         cmocka_unit_test(a_full_disk_is_an_error_of_io),

@@ -186,6 +186,28 @@ static void every_line_is_told_until_nobody_listens(void **state)
     assert_int_equal(n, 2);
 }
 
+static void take(void *context, lf_log_level level, const char *text)
+{
+    snprintf(context, 64, "%d %s", (int)level, text);
+}
+
+static void lines_can_be_taken_instead_of_written(void **state)
+{
+    (void)state;
+    char taken[64] = "";
+    const int64_t last = lf_log_last();
+    lf_log_take(take, taken);
+    lf_log(LF_LOG_DEBUG, "held back");
+    assert_string_equal(taken, "");
+    lf_log(LF_LOG_WARNING, "a %s", "line");
+    assert_string_equal(taken, "4 a line");
+    assert_int_equal(lf_log_last(), last);
+    lf_log_take(NULL, NULL);
+    lf_log(LF_LOG_INFO, "another");
+    assert_string_equal(taken, "4 a line");
+    assert_int_equal(lf_log_last(), last + 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -202,6 +224,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_long_line_is_kept_up_to_a_whole_character, redirect,
                                         restore),
         cmocka_unit_test_setup_teardown(every_line_is_told_until_nobody_listens, redirect, restore),
+        cmocka_unit_test_setup_teardown(lines_can_be_taken_instead_of_written, redirect, restore),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -151,6 +151,10 @@ static void a_file_is_a_video_by_its_first_bytes(void **state)
     assert_string_equal(demuxer("RIFF....AVI LIST", 16), "avi");
     assert_string_equal(demuxer("RIFF....WAVEfmt ", 16), "");
     assert_string_equal(demuxer("XXXX....AVI LIST", 16), "");
+    assert_string_equal(demuxer("\0\0\0\x20"
+                                "ftypheic",
+                                12),
+                        "");
     assert_string_equal(demuxer("GIF89a", 6), "gif");
     assert_string_equal(demuxer("GIF8", 4), "");
     assert_string_equal(demuxer("ffconcat version", 16), "");

@@ -155,6 +155,15 @@ static const wrong_case wrong_cases[] = {
     {"card_qs3x2a1.5.png", "=", "--panel %s/words.json", 1, "not JSON"},
     {"card_qs3x2a1.5.png", "=", "--photo crop", 2, "expects fit or fill"},
     {"card_qs3x2a1.5.png", "=", "--photo-rotate 45", 2, "expects 0, 90, 180, 270 or auto"},
+    {"words.png", "words", "--photo fill", 1, "not an image; expected PNG"},
+    {"words_rgbd.png", "words", "", 1, "not an image, although its name"},
+    {"empty_rgbd.jpg", "", "--rgbd-in", 1, "not an image; expected PNG"},
+    {"words_rgbd.png", "words", "--depthiness 2", 1, "not an image; expected PNG"},
+    {"none_rgbd.png", NULL, "--focus 0.1", 1, ": cannot open"},
+    {"a_rgbd.webp", "RIFF....WEBPVP8 ", "", 1, "is a WebP image, which quiltd does not read"},
+    {"a_rgbd.png", "RIFF....WEBPVP8 ", "--rgbd-in", 1, "is a WebP image"},
+    {"a_rgbd.heic", "....ftypheic", "--rgbd-in", 1, "is a HEIC image"},
+    {"a_rgbd.heic", "....ftypheic", "", 1, "convert it to PNG with ffmpeg or ImageMagick"},
     {"fog.json", "=", "--photo fill", 2, "applies only to finished images"},
 };
 

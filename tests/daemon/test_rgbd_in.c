@@ -4,6 +4,7 @@
 
 #include <sys/stat.h>
 
+#include "daemon/tools/batch_words.h"
 #include "quilt/rgbd.h"
 
 /* -------------------------------------------------------------------------- the way and back -- */
@@ -188,7 +189,8 @@ static const struct {
     {2, "%P -o %D/x.png --rgbd-in below", "--rgbd-in: expects auto, off, right"},
     {2, "%P -o %D/x.png --depthiness 5", "--depthiness: expects"},
     {2, "%P -o %D/x.png --focus nan", "--focus: expects"},
-    {2, "%P -o %D/x.png --rgbd right", "--rgbd needs a scene"},
+    {2, "%P -o %D/x.png --rgbd right", "is a finished image, which has its depth; --rgbd needs"},
+    {2, "%Q -o %D/x.png --rgbd right", "is a finished image without depth; --rgbd needs a scene"},
     {2, "%P -o %D/x.png --spp 2", "--spp: cannot be combined"},
     {2, "%P -o %D/x.png --exposure 1", "--exposure: cannot be combined"},
     {2, "%P -o %D/x.tif --print 60@300 --print-size 30x20 --preset go", "--print: cannot"},
@@ -253,7 +255,7 @@ static void a_folder_is_a_batch(void **state)
     assert_non_null(strstr(o.err, "p3.png: has no depth"));
     assert_non_null(strstr(o.err, "broken.png: "));
     assert_non_null(strstr(o.err, "wrote 11 outputs"));
-    assert_non_null(strstr(o.err, "2 of 13 images failed"));
+    assert_non_null(strstr(o.err, "2 of 13 images failed: broken.png, p3.png\n"));
     assert_true(qr_exists(d, "made/p11_qs2x2a1.5.png"));
     assert_int_equal(qr_count_files(lf_test_path(d, "made")), 11);
     /* only what is missing is made again */
@@ -277,6 +279,115 @@ static void a_folder_is_a_batch(void **state)
     assert_int_equal(qr_count_files(lf_test_path(d, "none")), 0);
 }
 
+static int count_lines(const char *text)
+{
+    int n = 0;
+    for (; *text; text++)
+        n += *text == '\n';
+    return n;
+}
+
+static void a_batch_needs_two_folders(void **state)
+{
+    const qr_files *f = *state;
+    const char *d = f->folder;
+    qr_outcome o;
+    assert_int_equal(mkdir(lf_test_path(d, "own"), 0700), 0);
+    write_photo(d, "own/a.png", 0);
+    const char *const overwrite[] = {"", " --overwrite"};
+    for (int i = 0; i < 2; i++) {
+        qr_run(&o, "%s/own --rgbd-in -o %s/./own/ --still%s", d, d, overwrite[i]);
+        qr_assert_fails(&o, 2, "is the folder of the images; choose another folder");
+    }
+    assert_int_equal(qr_count_files(lf_test_path(d, "own")), 1);
+    qr_run(&o, "%s/missing/ --rgbd-in -o %s/p/ --print 60@300 --print-size 30x20", d, d);
+    qr_assert_fails(&o, 1, "missing/: cannot open: No such file");
+    assert_false(qr_exists(d, "p"));
+}
+
+static void a_batch_tells_the_same_once(void **state)
+{
+    const qr_files *f = *state;
+    const char *d = f->folder;
+    qr_outcome o;
+    assert_int_equal(mkdir(lf_test_path(d, "many"), 0700), 0);
+    assert_int_equal(mkdir(lf_test_path(d, "many/folder.png"), 0700), 0);
+    for (int i = 0; i < 20; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "many/p%d.png", i);
+        write_photo(d, name, i % 2 == 1);
+    }
+    write_photo(d, "many/q_qs5x9a0.75.png", 0);
+    qr_run(&o, "%s/many --rgbd-in -o %s/sheets/ --print 60@300 --print-size 20x20", d, d);
+    assert_int_equal(o.code, 1);
+    assert_non_null(strstr(o.err, "q_qs5x9a0.75.png: is named as a quilt; rename it"));
+    assert_non_null(strstr(o.err, "; similarly for 9 other images\n"));
+    /* 11 that failed, what is said of the others, and two sums */
+    assert_in_range(count_lines(o.err), 14, 16);
+    const char *last = strstr(o.err, "11 of 21 images failed: p1.png, p3.png,");
+    assert_non_null(last);
+    assert_non_null(strstr(last, " and 3 more\n"));
+    assert_int_equal(count_lines(last), 1);
+    assert_int_equal(qr_count_files(lf_test_path(d, "sheets")), 20);
+}
+
+static void lines_that_differ_in_numbers_are_one(void **state)
+{
+    (void)state;
+    static lf_batch_words words = {.image = "a.png", .number = 1};
+    lf_batch_words_take(&words, LF_LOG_WARNING, "a.png: 60x80 by 2.95");
+    words.image = "b12.png";
+    words.number = 2;
+    for (int i = 0; i < 2; i++)
+        lf_batch_words_take(&words, LF_LOG_WARNING, "b12.png: 6x8 by .5");
+    assert_int_equal(words.n, 1);
+    assert_int_equal(words.word[0].n_images, 2);
+    assert_string_equal(words.word[0].first, "a.png: 60x80 by 2.95");
+    lf_batch_words_take(&words, LF_LOG_WARNING, "b12.png: 6 by .5");
+    assert_int_equal(words.n, 2);
+}
+
+static void a_batch_keeps_only_quilts_of_its_tiles(void **state)
+{
+    const qr_files *f = *state;
+    const char *d = f->folder;
+    qr_outcome o;
+    assert_int_equal(mkdir(lf_test_path(d, "pair"), 0700), 0);
+    write_photo(d, "pair/a.png", 0);
+    write_photo(d, "pair/b.png", 0);
+    qr_succeed("%s/pair --rgbd-in -o %s/tiles/ --preset portrait --view-size 9x12", d, d);
+    qr_run(&o, "%s/pair --rgbd-in -o %s/tiles/ --preset portrait --view-size 9x12 --focus 0.1", d,
+           d);
+    assert_non_null(strstr(o.err, "2 of 2 outputs exist and are kept, whatever their images and "
+                                  "options; use --overwrite"));
+    qr_run(&o, "%s/pair --rgbd-in -o %s/tiles/ --preset go --view-size 9x12", d, d);
+    assert_null(strstr(o.err, "kept"));
+    assert_non_null(strstr(o.err, "wrote 2 outputs"));
+    assert_int_equal(qr_count_files(lf_test_path(d, "tiles")), 4);
+}
+
+/* make verify (QUILTD_LONG=1 make check T=test_rgbd_in): 1,000. */
+static void hundreds_of_images_are_a_batch(void **state)
+{
+    const qr_files *f = *state;
+    const int n = lf_test_long() ? 1000 : 200;
+    char first[PATH_MAX], name[32];
+    const char *d = f->folder;
+    qr_outcome o;
+    assert_int_equal(mkdir(lf_test_path(d, "album"), 0700), 0);
+    snprintf(first, sizeof first, "%s", write_photo(d, "album/i0.png", 0));
+    for (int i = 1; i < n; i++) {
+        snprintf(name, sizeof name, "album/i%d.png", i);
+        assert_int_equal(link(first, lf_test_path(d, name)), 0);
+    }
+    qr_run(&o, "%s/album --rgbd-in -o %s/quilts/ --views 2 --view-size 6x4", d, d);
+    assert_int_equal(o.code, 0);
+    snprintf(name, sizeof name, "wrote %d outputs", n);
+    assert_non_null(strstr(o.err, name));
+    assert_int_equal(count_lines(o.err), 1);
+    assert_int_equal(qr_count_files(lf_test_path(d, "quilts")), n);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -284,6 +395,11 @@ int main(void)
         cmocka_unit_test(every_output_can_be_made),
         cmocka_unit_test(what_is_wrong_is_said_in_one_line),
         cmocka_unit_test(a_folder_is_a_batch),
+        cmocka_unit_test(a_batch_needs_two_folders),
+        cmocka_unit_test(a_batch_tells_the_same_once),
+        cmocka_unit_test(lines_that_differ_in_numbers_are_one),
+        cmocka_unit_test(a_batch_keeps_only_quilts_of_its_tiles),
+        cmocka_unit_test(hundreds_of_images_are_a_batch),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
 }

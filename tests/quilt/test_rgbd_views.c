@@ -453,6 +453,11 @@ static void the_picture_is_placed_scaled_and_cut(void **state)
     draw_one(&rgbd, WIDTH, HEIGHT, out);
     assert_int_equal(out[3 * (WIDTH + 30) + 2], 0);
     assert_int_equal(out[3 * (WIDTH + 42) + 2], 77);
+    rgbd.photo.on_paper = true;
+    draw_one(&rgbd, WIDTH, HEIGHT, out);
+    assert_int_equal(out[3 * (WIDTH + 30) + 2], 255);
+    assert_int_equal(out[3 * (WIDTH + 42) + 2], 77);
+    rgbd.photo.on_paper = false;
     rgbd.crop_x = 2;
     rgbd.zoom = 4;
     draw_one(&rgbd, WIDTH, HEIGHT, out); /* beyond the picture */

@@ -32,6 +32,10 @@ static void finished_views_move_scale_and_shift(void **state)
     assert_int_equal(out[1][5][4][0], 0);
     lf_assert_close(out[1][5][5][0], 10, 0, 0.6); /* the mean of 5 and 15 */
     assert_int_equal(out[1][1][5][2], 0);
+    standing.on_paper = true;
+    lf_standing_views8(&standing, &views, &out[0][0][0][0], NULL);
+    assert_int_equal(out[1][1][5][2], 255);
+    lf_assert_close(out[1][5][5][0], 10, 0, 0.6);
     assert_true(lf_standing_is_plain(&(lf_standing){.zoom = 1}));
     assert_false(lf_standing_is_plain(&(lf_standing){.zoom = 1, .crop_y = 0.1}));
 }
