@@ -8,10 +8,10 @@ to = $(INSTALL) -D -m $(1) $(2) $(DESTDIR)$(3)
 filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDIR)/systemd/$(1).in > $(O)/$(1)
 
 units := quiltd.service quiltd.socket quiltweb.service quiltweb.socket
-# doors of quiltweb for other programs, off until they are enabled, for the system or for the session of a user
-door_units := $(patsubst %,quiltweb-%.socket,bridge events webxr)
+# services of quiltweb for other programs, off until they are enabled, for the system or for the session of a user
+service_units := $(patsubst %,quiltweb-%.socket,bridge events webxr)
 # nng's socket belongs to the user whose programs it is for. The manager of a session filters no addresses.
-user_units := quiltweb.socket $(door_units) quiltweb-nng.socket
+user_units := quiltweb.socket $(service_units) quiltweb-nng.socket
 
 # what shells complete, written by the programs from their tables
 completed := quiltd quiltctl quiltrender quiltsim quiltbench quiltweb
@@ -33,7 +33,7 @@ install: all $(completions)
 	 $(call to,644,$(O)/completions/$$p.fish,$(DATADIR)/fish/vendor_completions.d/$$p.fish) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
 	@for f in scene.schema.json $(patsubst docs/%,%,$(call wild,docs/guide/*.md) $(call wild,docs/reference/*.md) $(call wild,docs/reference/formats/*.md) $(call wild,docs/reference/*.py) $(call wild,docs/guide/images/*) $(call wild,docs/developer/*.md) $(call wild,docs/developer/estimators/*.md)); do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
-	@for u in $(units) $(door_units); do $(call filled,$$u) && $(call to,644,$(O)/$$u,$(UNITDIR)/$$u) || exit 1; done
+	@for u in $(units) $(service_units); do $(call filled,$$u) && $(call to,644,$(O)/$$u,$(UNITDIR)/$$u) || exit 1; done
 	@$(call filled,quiltweb-user.service) && $(call to,644,$(O)/quiltweb-user.service,$(USERUNITDIR)/quiltweb.service)
 	@for u in $(user_units); do $(call filled,$$u) && sed '/^IPAddress/d' $(O)/$$u > $(O)/user-$$u && $(call to,644,$(O)/user-$$u,$(USERUNITDIR)/$$u) || exit 1; done
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.sysusers,$(SYSUSERSDIR)/quiltd.conf)

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Programs that people have, before the doors of quiltweb that are theirs: bridge.js, a WebXR page, nng's nngcat, and the requests of
+# Programs that people have, before the services of quiltweb that are theirs: bridge.js, a WebXR page, nng's nngcat, and the requests of
 # AliceLG, VTK's module and quiltwright (tests/clients). First the negative control: the same steps before a small gateway that is
 # right, and then wrong in one way after the other. They need the ports of Bridge.
 #   make check-clients

@@ -136,8 +136,8 @@ closed() {
     grep -h '^ListenStream=' "$prefix"/lib/systemd/*/quiltweb*.socket | grep -vxE 'ListenStream=((127\.0\.0\.1|\[::1\]):(8033|33334|9724|11222)|/tmp/holoplay-driver\.ipc)'
 }
 report "the gateway's units keep it on this machine" "$(closed)"
-# quiltweb knows a door by the name of its socket (daemon/web/quiltweb.c), and all sockets are for the one service.
-doors() {
+# quiltweb knows a service by the name of its socket (daemon/web/quiltweb.c), and all sockets are for the one service.
+services() {
     local folder name file line
     for folder in system user; do
         for name in bridge events webxr nng; do
@@ -154,7 +154,7 @@ doors() {
         grep -qxF "$line" "$prefix/lib/systemd/user/quiltweb.service" || echo "for a session: no $line"
     done
 }
-report "each door of the gateway has its socket" "$(doors)"
+report "each service of the gateway has its socket" "$(services)"
 if command -v groff > /dev/null 2>&1; then
     report "groff accepts the man pages" "$(for m in "$prefix"/share/man/man*/*.[1-9]; do groff -ww -Tutf8 -man "$m" 2>&1 > /dev/null; done)"
 else

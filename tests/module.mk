@@ -89,8 +89,8 @@ wrap_test_web_clients := $(wrap_test_web_time)
 wrap_test_bridge_time := $(wrap_test_web_time)
 wrap_test_nng := $(wrap_test_web_time)
 
-# clients of all doors, whose time passes in the same way
-wrap_test_doors_hostile = $(wrap_test_web_time)
+# clients of all services, whose time passes in the same way
+wrap_test_services_hostile = $(wrap_test_web_time)
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c

@@ -1,5 +1,5 @@
-/* The door of events: a WebSocket says which orchestration it listens to, and is told its events.
- * Events for a client that does not take them are dropped. */
+/* The service of events: a WebSocket says which orchestration it listens to, and is told its
+ * events. Events for a client that does not take them are dropped. */
 #include "daemon/web/web_internal.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* The door of Bridge: a PUT with a JSON body is a request of bridge.h. */
+/* The service of Bridge: a PUT with a JSON body is a request of bridge.h. */
 #include "daemon/web/web_internal.h"
 
 #include <string.h>

@@ -35,14 +35,14 @@ typedef struct lf_guard {
     char cookie[32];   /* name of the cookie; holds the port, which cookies ignore */
     lf_secret token;   /* in the URL, and after "Bearer " */
     lf_secret session; /* in the cookie */
-    /* Of a door of programs, which has no secrets: pages that may ask there, besides programs
-     * without an Origin; borrowed. NULL: the door is the page's. */
+    /* Of a service of programs, which has no secrets: pages that may ask there, besides programs
+     * without an Origin; borrowed. NULL: the service is the page's. */
     const lf_origins *allowed;
 } lf_guard;
 
 /* Draws both secrets for a server at this port. LF_E_IO. */
 LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
-/* The guard of a door of programs at this port. allowed: borrowed. */
+/* The guard of a service of programs at this port. allowed: borrowed. */
 void lf_guard_init_programs(lf_guard *guard, int port, const lf_origins *allowed);
 
 /* Sets public_origin. LF_E_ARG: not https:// with a name in lower case, and perhaps a port; or it
@@ -55,7 +55,7 @@ LF_NODISCARD lf_status lf_guard_set_public(lf_guard *guard, const char *origin, 
  * Transfer-Encoding
  * - 411: no length where a body is expected
  * - 413: a body where none is expected, or a longer one
- * - 403: an Origin that is not ours, or not allowed at a door of programs */
+ * - 403: an Origin that is not ours, or not allowed at a service of programs */
 int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why);
 
 /* True if the request came through the server of public_origin. */

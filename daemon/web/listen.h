@@ -1,5 +1,5 @@
-/* listen: the sockets that quiltweb listens on, all on loopback addresses. Those of a door are at
- * one port. Thread: any. */
+/* listen: the sockets that quiltweb listens on, all on loopback addresses. Those of a service are
+ * at one port. Thread: any. */
 #ifndef LF_DAEMON_WEB_LISTEN_H
 #define LF_DAEMON_WEB_LISTEN_H
 
@@ -7,7 +7,7 @@
 
 #define LF_WEB_MAX_LISTENERS 2 /* 127.0.0.1 and ::1 */
 
-/* The listening sockets of a door. */
+/* The listening sockets of a service. */
 typedef struct lf_web_sockets {
     int fd[LF_WEB_MAX_LISTENERS];
     int n;

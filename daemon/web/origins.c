@@ -71,16 +71,16 @@ bool lf_origins_have(const lf_origins *origins, const char *origin)
     return origins->local && is_local(origin);
 }
 
-bool lf_strangers_meet(lf_strangers *strangers, int door, const char *origin)
+bool lf_strangers_meet(lf_strangers *strangers, int service, const char *origin)
 {
     char start[sizeof strangers->told[0].origin];
     snprintf(start, sizeof start, "%s", origin);
     for (int i = 0; i < strangers->n; i++)
-        if (strangers->told[i].door == door && strcmp(strangers->told[i].origin, start) == 0)
+        if (strangers->told[i].service == service && strcmp(strangers->told[i].origin, start) == 0)
             return false;
     if (strangers->n == LF_STRANGERS_MOST)
         return false;
-    strangers->told[strangers->n].door = door;
+    strangers->told[strangers->n].service = service;
     memcpy(strangers->told[strangers->n++].origin, start, sizeof start);
     return true;
 }

@@ -1,4 +1,5 @@
-/* origins: pages of others that may ask at the doors of programs (--allow-origin). Thread: any. */
+/* origins: pages of others that may ask at the services of programs (--allow-origin). Thread: any.
+ */
 #ifndef LF_DAEMON_WEB_ORIGINS_H
 #define LF_DAEMON_WEB_ORIGINS_H
 
@@ -26,13 +27,13 @@ enum { LF_STRANGERS_MOST = 64 };
 typedef struct lf_strangers {
     int n;
     struct {
-        int door;
+        int service;
         char origin[64]; /* its start */
     } told[LF_STRANGERS_MOST];
 } lf_strangers;
 
-/* True if this page is new at this door, and not too many were told of. */
-bool lf_strangers_meet(lf_strangers *strangers, int door, const char *origin);
+/* True if this page is new at this service, and not too many were told of. */
+bool lf_strangers_meet(lf_strangers *strangers, int service, const char *origin);
 /* Why it is refused and what to do, for the log and the program. */
 void lf_origins_refusal(const char *origin, lf_error *out);
 

@@ -5,16 +5,16 @@
 #include <microhttpd.h>
 #include <stdbool.h>
 
-#include "daemon/web/door.h"
 #include "daemon/web/patience.h"
+#include "daemon/web/service.h"
 
 typedef struct lf_peer lf_peer;
 struct lf_peer {
     lf_peer *next; /* older */
     lf_patience *patience;
-    lf_door door;                       /* that it came in at */
+    lf_service service;                 /* that it came in at */
     const struct lf_seat_kind *offered; /* who will sit behind its WebSocket */
-    const char *origin; /* of a page at a door of programs, which may read answers; NULL: none */
+    const char *origin; /* of a page at a service of programs, which may read answers; NULL: none */
     bool asked;         /* the headers of a request have come */
     bool zero;          /* the path of the request holds a zero byte */
 };

@@ -68,8 +68,8 @@ typedef struct arguments {
     int n_listen;
     uint64_t upload_mib;
     bool until_input_ends;
-    bool wanted[LF_DOORS]; /* doors of programs … */
-    int ports[LF_DOORS];   /* … and their ports */
+    bool wanted[LF_SERVICES]; /* services of programs … */
+    int ports[LF_SERVICES];   /* … and their ports */
     lf_origins allowed;
     const char *nng; /* path; NULL: none */
     uint64_t image_mib;
@@ -114,9 +114,9 @@ static void print_help(void)
            BRIDGE_PORT, EVENTS_PORT, WEBXR_PORT, LF_NNG_PATH, MAX_IMAGE_MIB, LF_BIN_LIMIT_MIB);
 }
 
-/* "PORT", or "PORT,PORT" for two doors. */
-static lf_status take_ports(arguments *a, const char *option, const char *text, lf_door first,
-                            lf_door last, lf_error *err)
+/* "PORT", or "PORT,PORT" for two services. */
+static lf_status take_ports(arguments *a, const char *option, const char *text, lf_service first,
+                            lf_service last, lf_error *err)
 {
     char part[8];
     for (int i = first; i <= (int)last; i++)
@@ -171,9 +171,9 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "--image-limit", "expects 1 to %d MiB, got \"%s\"",
                             MAX_IMAGE_MIB, text);
     else if (code == OPTION_BRIDGE)
-        return take_ports(a, "--bridge", text, LF_DOOR_BRIDGE, LF_DOOR_EVENTS, err);
+        return take_ports(a, "--bridge", text, LF_SERVICE_BRIDGE, LF_SERVICE_EVENTS, err);
     else if (code == OPTION_WEBXR)
-        return take_ports(a, "--webxr", text, LF_DOOR_WEBXR, LF_DOOR_WEBXR, err);
+        return take_ports(a, "--webxr", text, LF_SERVICE_WEBXR, LF_SERVICE_WEBXR, err);
     else if (code == OPTION_BRIDGE_VERSION)
         return take_version(a, text, err);
     else if (code == OPTION_ALLOW_ORIGIN)
@@ -214,26 +214,26 @@ static const char *find_socket(const char *given, char *path, size_t size)
 }
 
 /* The sockets that systemd passes, by their names. */
-static lf_status take_sockets(lf_web_sockets doors[LF_DOORS], int *out_nng, lf_error *err)
+static lf_status take_sockets(lf_web_sockets services[LF_SERVICES], int *out_nng, lf_error *err)
 {
-    static const char *const names[LF_DOORS] = {"page", "bridge", "events", "webxr"};
+    static const char *const names[LF_SERVICES] = {"page", "bridge", "events", "webxr"};
     char **given = NULL;
     const int n = sd_listen_fds_with_names(1, &given);
     lf_status status = LF_OK;
     for (int i = 0; i < n; i++) {
-        lf_door door = LF_DOORS - 1;
+        lf_service service = LF_SERVICES - 1;
         if (*out_nng < 0 && given && strcmp(given[i], "nng") == 0) {
             *out_nng = SD_LISTEN_FDS_START + i;
             continue;
         }
-        while (door > LF_DOOR_PAGE && (!given || strcmp(names[door], given[i]) != 0))
-            door--; /* the page's are without a name, too */
-        if (status == LF_OK && doors[door].n == LF_WEB_MAX_LISTENERS)
+        while (service > LF_SERVICE_PAGE && (!given || strcmp(names[service], given[i]) != 0))
+            service--; /* the page's are without a name, too */
+        if (status == LF_OK && services[service].n == LF_WEB_MAX_LISTENERS)
             status = lf_error_set(err, LF_E_ARG, "systemd",
                                   "expects one or two sockets named %s from the socket unit",
-                                  names[door]);
+                                  names[service]);
         if (status == LF_OK)
-            doors[door].fd[doors[door].n++] = SD_LISTEN_FDS_START + i;
+            services[service].fd[services[service].n++] = SD_LISTEN_FDS_START + i;
         else
             close(SD_LISTEN_FDS_START + i);
     }
@@ -243,49 +243,50 @@ static lf_status take_sockets(lf_web_sockets doors[LF_DOORS], int *out_nng, lf_e
     return status;
 }
 
-/* A door that is wanted has systemd's sockets, or our own, but not both. */
-static lf_status open_door(lf_web_sockets *sockets, bool asked, int port, lf_error *err)
+/* A service that is wanted has systemd's sockets, or our own, but not both. */
+static lf_status open_service(lf_web_sockets *sockets, bool asked, int port, lf_error *err)
 {
     if (asked && sockets->n > 0)
-        return lf_error_set(err, LF_E_ARG, "systemd",
-                            "passes sockets for a door; leave out its option (--listen, --bridge, "
-                            "--webxr)");
+        return lf_error_set(
+            err, LF_E_ARG, "systemd",
+            "passes sockets for a service; leave out its option (--listen, --bridge, "
+            "--webxr)");
     return asked ? lf_web_listen_port(port, sockets, err) : LF_OK;
 }
 
-static lf_status open_doors(const arguments *a, lf_web_sockets doors[LF_DOORS], int *out_nng,
-                            lf_error *err)
+static lf_status open_services(const arguments *a, lf_web_sockets services[LF_SERVICES],
+                               int *out_nng, lf_error *err)
 {
-    lf_web_sockets *page = &doors[LF_DOOR_PAGE];
-    lf_status status = take_sockets(doors, out_nng, err);
+    lf_web_sockets *page = &services[LF_SERVICE_PAGE];
+    lf_status status = take_sockets(services, out_nng, err);
     const bool passed = page->n > 0;
     if (status == LF_OK && a->n_listen > 0)
-        status = passed ? open_door(page, true, 0, err)
+        status = passed ? open_service(page, true, 0, err)
                         : lf_web_listen_all(a->listen, a->n_listen, page->fd, &page->n, err);
     else if (status == LF_OK && !passed)
-        status = open_door(page, true, PAGE_PORT, err);
-    for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS && status == LF_OK; i++)
-        status = open_door(&doors[i], a->wanted[i], a->ports[i], err);
+        status = open_service(page, true, PAGE_PORT, err);
+    for (int i = LF_SERVICE_PAGE + 1; i < LF_SERVICES && status == LF_OK; i++)
+        status = open_service(&services[i], a->wanted[i], a->ports[i], err);
     int n_programs = 0;
-    for (int i = LF_DOOR_PAGE + 1; i < LF_DOORS; i++)
-        n_programs += doors[i].n;
+    for (int i = LF_SERVICE_PAGE + 1; i < LF_SERVICES; i++)
+        n_programs += services[i].n;
     if (status == LF_OK && n_programs == 0 && (a->allowed.n > 0 || a->allowed.local))
         lf_log(LF_LOG_WARNING, "--allow-origin: has no effect without --bridge or --webxr");
-    for (int i = 0; i < LF_DOORS && status != LF_OK; i++)
-        lf_web_sockets_close(&doors[i]);
+    for (int i = 0; i < LF_SERVICES && status != LF_OK; i++)
+        lf_web_sockets_close(&services[i]);
     if (status != LF_OK && *out_nng >= 0)
         close(*out_nng);
     return status;
 }
 
-/* The ports of the doors of programs, which may be any free ones. */
-static void log_doors(const lf_web *web)
+/* The ports of the services of programs, which may be any free ones. */
+static void log_services(const lf_web *web)
 {
-    static const char *const words[LF_DOORS] = {NULL, "requests of Bridge", "events of Bridge",
-                                                "WebXR"};
-    for (lf_door door = LF_DOOR_PAGE + 1; door < LF_DOORS; door++)
-        if (lf_web_port(web, door) > 0)
-            lf_log(LF_LOG_INFO, "%s: port %d", words[door], lf_web_port(web, door));
+    static const char *const words[LF_SERVICES] = {NULL, "requests of Bridge", "events of Bridge",
+                                                   "WebXR"};
+    for (lf_service service = LF_SERVICE_PAGE + 1; service < LF_SERVICES; service++)
+        if (lf_web_port(web, service) > 0)
+            lf_log(LF_LOG_INFO, "%s: port %d", words[service], lf_web_port(web, service));
 }
 
 static lf_status announce(const lf_web *web, const char *file, lf_error *err)
@@ -319,14 +320,14 @@ static lf_status watch_input(sd_event *event, lf_error *err)
 }
 
 /* What runs until the end of the loop. */
-typedef struct services {
+typedef struct running {
     lf_programs *programs;
     lf_web *web;
-} services;
+} running;
 
-/* Takes the sockets of the doors, and nng. */
+/* Takes the sockets of the services, and nng. */
 static lf_status begin(const arguments *a, sd_event *event, lf_web_config *config, int nng,
-                       services *out, lf_error *err)
+                       running *out, lf_error *err)
 {
     const lf_programs_config programs = {.socket = config->socket,
                                          .version = a->bridge_version ? a->bridge_version
@@ -337,8 +338,8 @@ static lf_status begin(const arguments *a, sd_event *event, lf_web_config *confi
                                          .nng_fd = nng};
     lf_status status = lf_programs_create(event, &programs, &out->programs, err);
     if (status != LF_OK) {
-        for (int i = 0; i < LF_DOORS; i++)
-            lf_web_sockets_close(&config->doors[i]);
+        for (int i = 0; i < LF_SERVICES; i++)
+            lf_web_sockets_close(&config->services[i]);
         return status;
     }
     config->driver = lf_programs_driver(out->programs);
@@ -350,7 +351,7 @@ static lf_status run(const arguments *a, lf_error *err)
 {
     char path[512];
     sd_event *event = NULL;
-    services s = {0};
+    running s = {0};
     int nng = -1;
     lf_web_config config = {.allowed = &a->allowed,
                             .bridge_version = a->bridge_version,
@@ -362,7 +363,7 @@ static lf_status run(const arguments *a, lf_error *err)
         sd_event_unref(event);
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     }
-    lf_status status = open_doors(a, config.doors, &nng, err);
+    lf_status status = open_services(a, config.services, &nng, err);
     if (status == LF_OK)
         status = begin(a, event, &config, nng, &s, err);
     if (status == LF_OK && a->until_input_ends)
@@ -370,7 +371,7 @@ static lf_status run(const arguments *a, lf_error *err)
     if (status == LF_OK)
         status = announce(s.web, a->url_file, err);
     if (status == LF_OK) {
-        log_doors(s.web);
+        log_services(s.web);
         sd_notify(0, "READY=1");
         sd_event_loop(event);
         sd_notify(0, "STOPPING=1");

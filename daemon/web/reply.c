@@ -59,10 +59,10 @@ static void protect(struct MHD_Response *response, const char *type)
         MHD_add_response_header(response, "Content-Type", type);
 }
 
-/* A door of programs answers by the Origin, which caches must know. */
+/* A service of programs answers by the Origin, which caches must know. */
 static void share(struct MHD_Response *response, const lf_peer *peer)
 {
-    if (!peer || peer->door == LF_DOOR_PAGE)
+    if (!peer || peer->service == LF_SERVICE_PAGE)
         return;
     MHD_add_response_header(response, "Vary", "Origin");
     if (peer->origin)

@@ -1,5 +1,5 @@
-/* reply: answers of HTTP, all with the headers that keep other pages out. At a door of programs, a
- * page of an allowed origin may read them (lf_peer). Thread: event. */
+/* reply: answers of HTTP, all with the headers that keep other pages out. At a service of programs,
+ * a page of an allowed origin may read them (lf_peer). Thread: event. */
 #ifndef LF_DAEMON_WEB_REPLY_H
 #define LF_DAEMON_WEB_REPLY_H
 
@@ -33,7 +33,7 @@ enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guar
  * then `upgraded` gets the socket. */
 enum MHD_Result lf_reply_upgrade(struct MHD_Connection *connection, const char *key,
                                  const char *protocol, MHD_UpgradeHandler upgraded, void *context);
-/* 204 to OPTIONS at a door of programs: what pages of an allowed origin may ask there. */
+/* 204 to OPTIONS at a service of programs: what pages of an allowed origin may ask there. */
 enum MHD_Result lf_reply_options(struct MHD_Connection *connection);
 
 #endif

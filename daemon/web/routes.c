@@ -139,7 +139,7 @@ static enum MHD_Result act_options(lf_request *r)
 
 static enum MHD_Result act_login(lf_request *r)
 {
-    return lf_reply_cookie(r->connection, &r->web->doors[r->door].guard, r->secure);
+    return lf_reply_cookie(r->connection, &r->web->services[r->service].guard, r->secure);
 }
 
 static enum MHD_Result act_status(lf_request *r)
@@ -310,8 +310,8 @@ static const lf_route routes[] = {
      .finish = lf_put_quilt_shown},
     /* it looks at the secrets itself */
     {.path = "/rpc", .method = "GET", .act = lf_sessions_answer},
-    {.door = LF_DOOR_BRIDGE, .path = "/", .method = "GET", .act = act_alive},
-    {.door = LF_DOOR_BRIDGE,
+    {.service = LF_SERVICE_BRIDGE, .path = "/", .method = "GET", .act = act_alive},
+    {.service = LF_SERVICE_BRIDGE,
      .path = "/",
      .is_start = true,
      .method = "PUT",
@@ -319,13 +319,13 @@ static const lf_route routes[] = {
      .take = lf_bridge_put_take,
      .act = lf_bridge_put,
      .finish = lf_bridge_put_done},
-    {.door = LF_DOOR_EVENTS, .path = "/", .method = "GET", .act = act_alive},
-    {.door = LF_DOOR_EVENTS,
+    {.service = LF_SERVICE_EVENTS, .path = "/", .method = "GET", .act = act_alive},
+    {.service = LF_SERVICE_EVENTS,
      .path = "/event_source",
      .method = "GET",
      .act = lf_bridge_events_answer},
-    {.door = LF_DOOR_WEBXR, .path = "/", .method = "GET", .act = lf_webxr_root},
-    {.door = LF_DOOR_WEBXR, .path = "/driver", .method = "GET", .act = lf_webxr_driver},
+    {.service = LF_SERVICE_WEBXR, .path = "/", .method = "GET", .act = lf_webxr_root},
+    {.service = LF_SERVICE_WEBXR, .path = "/driver", .method = "GET", .act = lf_webxr_driver},
 };
 
 enum { N_ROUTES = sizeof routes / sizeof routes[0] };
@@ -337,19 +337,19 @@ static bool leads(const lf_route *route, const char *path)
                            : strcmp(route->path, path) == 0;
 }
 
-const lf_route *lf_route_find(lf_door door, const char *path, const char *method,
+const lf_route *lf_route_find(lf_service service, const char *path, const char *method,
                               unsigned *out_status)
 {
-    const bool page = door == LF_DOOR_PAGE && lf_page_find(path);
+    const bool page = service == LF_SERVICE_PAGE && lf_page_find(path);
     *out_status = page ? 405 : 404;
     if (page && (strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0))
         return &page_route;
     for (int i = 0; i < N_ROUTES; i++) {
-        if (routes[i].door != door || !leads(&routes[i], path))
+        if (routes[i].service != service || !leads(&routes[i], path))
             continue;
         if (strcmp(routes[i].method, method) == 0)
             return &routes[i];
-        if (door != LF_DOOR_PAGE && strcmp(method, "OPTIONS") == 0)
+        if (service != LF_SERVICE_PAGE && strcmp(method, "OPTIONS") == 0)
             return &options_route;
         *out_status = 405;
     }

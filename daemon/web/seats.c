@@ -16,7 +16,7 @@ void lf_seat_leave(lf_seat *gone)
         *at = gone->next;
         break;
     }
-    web->doors[gone->door].n_seats--;
+    web->services[gone->service].n_seats--;
     gone->kind->destroy(gone->guest);
     MHD_upgrade_action(gone->handle, MHD_UPGRADE_ACTION_CLOSE);
     lf_free(gone);
@@ -32,8 +32,8 @@ void lf_seats_leave(lf_web *web)
 int lf_seats_count(const lf_web *web)
 {
     int n = 0;
-    for (int i = 0; i < LF_DOORS; i++)
-        n += web->doors[i].n_seats;
+    for (int i = 0; i < LF_SERVICES; i++)
+        n += web->services[i].n_seats;
     return n;
 }
 
@@ -42,11 +42,11 @@ static lf_seat *take_seat(lf_web *web, const lf_peer *peer, int fd, const char *
                           struct MHD_UpgradeResponseHandle *handle)
 {
     lf_error err = {0};
-    const bool room = !web->ending && web->doors[peer->door].n_seats < LF_WEB_MAX_SESSIONS;
+    const bool room = !web->ending && web->services[peer->service].n_seats < LF_WEB_MAX_SESSIONS;
     lf_seat *new = room ? lf_calloc(1, sizeof *new) : NULL;
     if (!new)
         return NULL;
-    *new = (lf_seat){.web = web, .door = peer->door, .kind = peer->offered, .handle = handle};
+    *new = (lf_seat){.web = web, .service = peer->service, .kind = peer->offered, .handle = handle};
     if (new->kind->create(new, fd, early, n, &new->guest, &err) != LF_OK) {
         lf_free(new);
         return NULL;
@@ -69,7 +69,7 @@ static void on_upgrade(void *context, struct MHD_Connection *connection, void *r
     }
     new->next = web->seats;
     web->seats = new;
-    web->doors[new->door].n_seats++;
+    web->services[new->service].n_seats++;
 }
 
 static bool has_word(const char *list, const char *word)
@@ -101,7 +101,7 @@ enum MHD_Result lf_seats_answer(lf_request *r, const lf_seat_kind *kind)
         return lf_request_refuse(r, 400, "Sec-WebSocket-Key is not 16 bytes in base64");
     if (kind->protocol && !has_word(value[4], kind->protocol))
         return lf_request_refuse(r, 400, "expects another Sec-WebSocket-Protocol");
-    if (r->web->doors[r->door].n_seats >= LF_WEB_MAX_SESSIONS)
+    if (r->web->services[r->service].n_seats >= LF_WEB_MAX_SESSIONS)
         return lf_request_refuse(r, 503, "too many clients");
     lf_peer_of(r->connection)->offered = kind;
     return lf_reply_upgrade(r->connection, value[3], kind->protocol, on_upgrade, r->web);

@@ -53,7 +53,7 @@ enum MHD_Result lf_sessions_answer(lf_request *r)
 {
     lf_guard_request headers;
     lf_reply_read(r->connection, r->path, &headers);
-    if (lf_guard_may_connect(&r->web->doors[r->door].guard, &headers))
+    if (lf_guard_may_connect(&r->web->services[r->service].guard, &headers))
         return lf_seats_answer(r, &session_kind);
     r->web->counts.refused++;
     return lf_request_refuse(r, 401, "the token is missing or wrong");

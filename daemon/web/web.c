@@ -53,8 +53,8 @@ void lf_web_wake(lf_web *web)
 
 /* ------------------------------------------------------------------------------- connections -- */
 
-/* The door whose port a socket has; LF_DOORS: none. */
-static lf_door door_of(const lf_web *web, int fd)
+/* The service whose port a socket has; LF_SERVICES: none. */
+static lf_service service_of(const lf_web *web, int fd)
 {
     union {
         struct sockaddr any;
@@ -62,42 +62,43 @@ static lf_door door_of(const lf_web *web, int fd)
         struct sockaddr_in6 v6;
     } local = {.any.sa_family = AF_UNSPEC};
     socklen_t size = sizeof local;
-    lf_door door = 0;
+    lf_service service = 0;
     if (getsockname(fd, &local.any, &size) != 0)
-        return LF_DOORS;
+        return LF_SERVICES;
     const int port =
         ntohs(local.any.sa_family == AF_INET6 ? local.v6.sin6_port : local.v4.sin_port);
-    while (door < LF_DOORS && web->doors[door].port != port)
-        door++;
-    return door;
+    while (service < LF_SERVICES && web->services[service].port != port)
+        service++;
+    return service;
 }
 
-static void accept_more(lf_web *web, lf_door door, bool more)
+static void accept_more(lf_web *web, lf_service service, bool more)
 {
-    for (int k = 0; k < web->doors[door].sockets.n; k++)
-        sd_event_source_set_enabled(web->doors[door].accept[k], more ? SD_EVENT_ON : SD_EVENT_OFF);
+    for (int k = 0; k < web->services[service].sockets.n; k++)
+        sd_event_source_set_enabled(web->services[service].accept[k],
+                                    more ? SD_EVENT_ON : SD_EVENT_OFF);
 }
 
-/* Somebody waits for a place at this door, or for a file (LF_DOORS): the oldest connection that has
- * not asked for anything makes room. */
-static void make_room(lf_web *web, lf_door door)
+/* Somebody waits for a place at this service, or for a file (LF_SERVICES): the oldest connection
+ * that has not asked for anything makes room. */
+static void make_room(lf_web *web, lf_service service)
 {
     lf_peer *oldest = NULL;
     for (lf_peer *v = web->peers; v; v = v->next)
-        if (!v->asked && (v->door == door || door == LF_DOORS))
+        if (!v->asked && (v->service == service || service == LF_SERVICES))
             oldest = v;
     if (oldest)
         lf_patience_end(oldest->patience);
-    for (lf_door i = 0; i < LF_DOORS; i++)
-        if (i == door || door == LF_DOORS)
+    for (lf_service i = 0; i < LF_SERVICES; i++)
+        if (i == service || service == LF_SERVICES)
             accept_more(web, i, false); /* until a connection has ended */
 }
 
-/* Each door has places of its own: programs do not keep out the page, nor each other. */
-static bool is_full(const lf_web *web, lf_door door)
+/* Each service has places of its own: programs do not keep out the page, nor each other. */
+static bool is_full(const lf_web *web, lf_service service)
 {
-    return web->doors[door].n_connections >=
-           (door == LF_DOOR_PAGE ? LF_WEB_MAX_CONNECTIONS : LF_WEB_MAX_PROGRAMS);
+    return web->services[service].n_connections >=
+           (service == LF_SERVICE_PAGE ? LF_WEB_MAX_CONNECTIONS : LF_WEB_MAX_PROGRAMS);
 }
 
 /* One a turn. Above the limit, connections wait in the kernel. */
@@ -108,9 +109,9 @@ static int on_accept(sd_event_source *source, int fd, uint32_t what, void *conte
     lf_web *web = context;
     struct sockaddr_storage address = {0};
     socklen_t size = sizeof address;
-    const lf_door door = door_of(web, fd);
-    if (door < LF_DOORS && is_full(web, door)) {
-        make_room(web, door);
+    const lf_service service = service_of(web, fd);
+    if (service < LF_SERVICES && is_full(web, service)) {
+        make_room(web, service);
         return on_turn(web);
     }
     int peer = accept4(fd, (struct sockaddr *)&address, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
@@ -118,7 +119,7 @@ static int on_accept(sd_event_source *source, int fd, uint32_t what, void *conte
     if (peer >= 0) /* on failure it is closed */
         (void)MHD_add_connection(web->http, peer, (const struct sockaddr *)&address, size);
     if (full && web->counts.connections > 0)
-        make_room(web, LF_DOORS);
+        make_room(web, LF_SERVICES);
     return on_turn(web);
 }
 
@@ -127,11 +128,11 @@ static lf_peer *begin_peer(lf_web *web, struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    const lf_door door = info ? door_of(web, info->connect_fd) : LF_DOORS;
-    lf_peer *new = door < LF_DOORS ? lf_calloc(1, sizeof *new) : NULL;
+    const lf_service service = info ? service_of(web, info->connect_fd) : LF_SERVICES;
+    lf_peer *new = service < LF_SERVICES ? lf_calloc(1, sizeof *new) : NULL;
     if (!new)
         return NULL;
-    new->door = door;
+    new->service = service;
     if (lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new->patience) !=
         LF_OK) {
         lf_free(new);
@@ -139,7 +140,7 @@ static lf_peer *begin_peer(lf_web *web, struct MHD_Connection *connection)
     }
     new->next = web->peers;
     web->peers = new;
-    web->doors[door].n_connections++;
+    web->services[service].n_connections++;
     return new;
 }
 
@@ -151,7 +152,7 @@ static void end_peer(lf_web *web, lf_peer *gone)
         *at = gone->next;
         break;
     }
-    web->doors[gone->door].n_connections--;
+    web->services[gone->service].n_connections--;
     lf_patience_destroy(gone->patience);
     lf_free(gone);
 }
@@ -170,8 +171,8 @@ static void on_connection(void *context, struct MHD_Connection *connection, void
     if (*peer)
         end_peer(web, *peer);
     *peer = NULL;
-    for (lf_door door = 0; door < LF_DOORS && !web->ending; door++)
-        accept_more(web, door, true);
+    for (lf_service service = 0; service < LF_SERVICES && !web->ending; service++)
+        accept_more(web, service, true);
 }
 
 lf_peer *lf_peer_of(struct MHD_Connection *connection)
@@ -222,15 +223,15 @@ static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_
     return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers);
 }
 
-/* A page that is not allowed at a door of programs. Its browser hides the answer from it. */
-static enum MHD_Result refuse_stranger(lf_web *web, struct MHD_Connection *connection, lf_door door,
-                                       const char *origin)
+/* A page that is not allowed at a service of programs. Its browser hides the answer from it. */
+static enum MHD_Result refuse_stranger(lf_web *web, struct MHD_Connection *connection,
+                                       lf_service service, const char *origin)
 {
-    static const char *const names[LF_DOORS] = {"page", "bridge", "events", "webxr"};
+    static const char *const names[LF_SERVICES] = {"page", "bridge", "events", "webxr"};
     lf_error err = {0};
     lf_origins_refusal(origin, &err);
-    if (lf_strangers_meet(&web->strangers, (int)door, origin))
-        lf_log(LF_LOG_WARNING, "%s: %s", names[door], err.what);
+    if (lf_strangers_meet(&web->strangers, (int)service, origin))
+        lf_log(LF_LOG_WARNING, "%s: %s", names[service], err.what);
     return lf_reply_text(connection, 403, err.what);
 }
 
@@ -241,8 +242,8 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     lf_guard_request headers;
     const char *why = NULL;
     unsigned status = 0;
-    const lf_guard *guard = &web->doors[peer->door].guard;
-    const lf_route *route = lf_route_find(peer->door, path, method, &status);
+    const lf_guard *guard = &web->services[peer->service].guard;
+    const lf_route *route = lf_route_find(peer->service, path, method, &status);
     web->counts.requests++;
     lf_reply_read(connection, path, &headers);
     headers.zero = peer->zero;
@@ -253,7 +254,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
     const int refused = lf_guard_check(guard, &headers, &why);
     web->counts.refused += refused != 0;
     if (refused == 403 && guard->allowed && headers.origins == 1)
-        return refuse_stranger(web, connection, peer->door, headers.origin);
+        return refuse_stranger(web, connection, peer->service, headers.origin);
     if (refused)
         return lf_reply_text(connection, (unsigned)refused, why);
     peer->origin = guard->allowed ? headers.origin : NULL;
@@ -269,7 +270,7 @@ static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connect
         return MHD_NO;
     *r = (lf_request){.web = web,
                       .connection = connection,
-                      .door = peer->door,
+                      .service = peer->service,
                       .path = path,
                       .route = route,
                       .secure = lf_guard_is_public(guard, &headers),
@@ -367,7 +368,7 @@ static lf_status start(lf_web *web, lf_error *err)
     web->http = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, web, MHD_OPTION_EXTERNAL_LOGGER, on_log, web,
         MHD_OPTION_URI_LOG_CALLBACK, on_target, NULL, MHD_OPTION_CONNECTION_LIMIT,
-        (unsigned)(LF_WEB_MAX_CONNECTIONS + (LF_DOORS - 1) * LF_WEB_MAX_PROGRAMS),
+        (unsigned)(LF_WEB_MAX_CONNECTIONS + (LF_SERVICES - 1) * LF_WEB_MAX_PROGRAMS),
         MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES,
         MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection, web,
         MHD_OPTION_NOTIFY_COMPLETED, on_completed, web, MHD_OPTION_END);
@@ -379,17 +380,17 @@ static lf_status start(lf_web *web, lf_error *err)
                 /* accuracy 1: 0 stands for a quarter of a second */
                 sd_event_add_time_relative(web->event, &web->timer, CLOCK_MONOTONIC, 0, 1, on_time,
                                            web) >= 0;
-    for (int i = 0; i < LF_DOORS; i++)
-        for (int k = 0; k < web->doors[i].sockets.n && made; k++)
-            made = sd_event_add_io(web->event, &web->doors[i].accept[k],
-                                   web->doors[i].sockets.fd[k], EPOLLIN, on_accept, web) >= 0;
+    for (int i = 0; i < LF_SERVICES; i++)
+        for (int k = 0; k < web->services[i].sockets.n && made; k++)
+            made = sd_event_add_io(web->event, &web->services[i].accept[k],
+                                   web->services[i].sockets.fd[k], EPOLLIN, on_accept, web) >= 0;
     return made ? LF_OK : lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
 }
 
-/* Finds the port of a door, and whether its first address is one of IPv6. */
-static lf_status look_at_door(lf_web *web, lf_door door, bool *out_v6, lf_error *err)
+/* Finds the port of a service, and whether its first address is one of IPv6. */
+static lf_status look_at_service(lf_web *web, lf_service service, bool *out_v6, lf_error *err)
 {
-    lf_entrance *at = &web->doors[door];
+    lf_entrance *at = &web->services[service];
     lf_status status = LF_OK;
     for (int i = 0; i < at->sockets.n && status == LF_OK; i++) {
         int port = 0;
@@ -400,22 +401,24 @@ static lf_status look_at_door(lf_web *web, lf_door door, bool *out_v6, lf_error 
         at->port = i == 0 ? port : at->port;
         *out_v6 = i == 0 ? v6 : *out_v6;
     }
-    for (int i = 0; i < (int)door && status == LF_OK && at->port > 0; i++)
-        if (web->doors[i].port == at->port)
+    for (int i = 0; i < (int)service && status == LF_OK && at->port > 0; i++)
+        if (web->services[i].port == at->port)
             status = lf_error_set(err, LF_E_ARG, "socket",
                                   "port %d is given twice; choose another one", at->port);
     return status;
 }
 
 /* Looks at all sockets, and writes the URL of the page. */
-static lf_status look_at_doors(lf_web *web, const char *public_origin, lf_error *err)
+static lf_status look_at_services(lf_web *web, const char *public_origin, lf_error *err)
 {
-    lf_entrance *page = &web->doors[LF_DOOR_PAGE];
+    lf_entrance *page = &web->services[LF_SERVICE_PAGE];
     bool v6 = false, ignored;
-    lf_status status = look_at_door(web, LF_DOOR_PAGE, &v6, err);
-    for (lf_door door = LF_DOOR_PAGE + 1; door < LF_DOORS && status == LF_OK; door++) {
-        status = look_at_door(web, door, &ignored, err);
-        lf_guard_init_programs(&web->doors[door].guard, web->doors[door].port, &web->allowed);
+    lf_status status = look_at_service(web, LF_SERVICE_PAGE, &v6, err);
+    for (lf_service service = LF_SERVICE_PAGE + 1; service < LF_SERVICES && status == LF_OK;
+         service++) {
+        status = look_at_service(web, service, &ignored, err);
+        lf_guard_init_programs(&web->services[service].guard, web->services[service].port,
+                               &web->allowed);
     }
     if (status == LF_OK)
         status = lf_guard_init(&page->guard, page->port, err);
@@ -432,10 +435,10 @@ static lf_status look_at_doors(lf_web *web, const char *public_origin, lf_error 
     return LF_OK;
 }
 
-static void close_doors(const lf_web_config *config)
+static void close_services(const lf_web_config *config)
 {
-    for (int i = 0; i < LF_DOORS; i++) {
-        lf_web_sockets sockets = config->doors[i];
+    for (int i = 0; i < LF_SERVICES; i++) {
+        lf_web_sockets sockets = config->services[i];
         lf_web_sockets_close(&sockets);
     }
 }
@@ -443,7 +446,7 @@ static void close_doors(const lf_web_config *config)
 /* If somebody can ask it, or listen to it. */
 static lf_status begin_bridge(lf_web *web, const char *version, lf_error *err)
 {
-    if (web->doors[LF_DOOR_BRIDGE].port == 0 && web->doors[LF_DOOR_EVENTS].port == 0)
+    if (web->services[LF_SERVICE_BRIDGE].port == 0 && web->services[LF_SERVICE_EVENTS].port == 0)
         return LF_OK;
     web->bridge_version = lf_strdup(version ? version : LF_BRIDGE_VERSION);
     const lf_bridge_config config = {.event = web->event,
@@ -463,7 +466,7 @@ lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **o
     if (!web || !path) {
         lf_free(web);
         lf_free(path);
-        close_doors(config);
+        close_services(config);
         return lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
     }
     *web = (lf_web){.event = event,
@@ -473,9 +476,9 @@ lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **o
                     .panel_only = config->panel_only};
     if (config->allowed)
         web->allowed = *config->allowed;
-    for (int i = 0; i < LF_DOORS; i++)
-        web->doors[i].sockets = config->doors[i];
-    lf_status status = look_at_doors(web, config->public_origin, err);
+    for (int i = 0; i < LF_SERVICES; i++)
+        web->services[i].sockets = config->services[i];
+    lf_status status = look_at_services(web, config->public_origin, err);
     if (status == LF_OK)
         status = begin_bridge(web, config->bridge_version, err);
     if (status == LF_OK)
@@ -496,10 +499,10 @@ void lf_web_destroy(lf_web *web)
     if (!web)
         return;
     web->ending = true;
-    for (int i = 0; i < LF_DOORS; i++) {
-        for (int k = 0; k < web->doors[i].sockets.n; k++)
-            sd_event_source_disable_unref(web->doors[i].accept[k]);
-        lf_web_sockets_close(&web->doors[i].sockets);
+    for (int i = 0; i < LF_SERVICES; i++) {
+        for (int k = 0; k < web->services[i].sockets.n; k++)
+            sd_event_source_disable_unref(web->services[i].accept[k]);
+        lf_web_sockets_close(&web->services[i].sockets);
     }
     lf_seats_leave(web);
     for (lf_request *r = web->requests; r; r = r->next) {
@@ -529,9 +532,9 @@ const char *lf_web_url(const lf_web *web)
     return web->url;
 }
 
-int lf_web_port(const lf_web *web, lf_door door)
+int lf_web_port(const lf_web *web, lf_service service)
 {
-    return web->doors[door].port;
+    return web->services[service].port;
 }
 
 int lf_web_sessions(const lf_web *web)

@@ -7,7 +7,7 @@
  * seats.c     WebSockets: handshakes, and who sits behind them
  * sessions.c  WebSockets of the page
  * webxr.c     WebSockets of WebXR pages
- * bridge_http.c, bridge_events.c  doors of programs that speak to Bridge
+ * bridge_http.c, bridge_events.c  services of programs that speak to Bridge
  *
  * libmicrohttpd calls a request several times: once its headers are there (`check` may refuse it
  * before a byte of the body is read), for each part of the body, when the body is there (`act`),
@@ -49,7 +49,7 @@ typedef enum lf_web_lane {
     LF_WEB_LANES,
 } lf_web_lane;
 
-/* The sockets of a door. */
+/* The sockets of a service. */
 typedef struct lf_entrance {
     int port; /* 0: closed */
     lf_guard guard;
@@ -62,7 +62,7 @@ struct lf_web {
     sd_event *event;
     char *socket;
     uint64_t upload_limit;
-    lf_entrance doors[LF_DOORS];
+    lf_entrance services[LF_SERVICES];
     lf_origins allowed;
     lf_strangers strangers;
     lf_driver *driver;               /* NULL: none */
@@ -77,7 +77,7 @@ struct lf_web {
     lf_uploads *uploads;
     lf_downloads *downloads;
     char *bridge_version;
-    lf_bridge *bridge; /* NULL: its doors are closed */
+    lf_bridge *bridge; /* NULL: its services are closed */
     lf_web_counts counts;
     bool ending; /* nobody is let in any more */
 };
@@ -100,7 +100,7 @@ typedef struct lf_route {
     /* Takes a part of the body. NULL: there is none. */
     enum MHD_Result (*take)(lf_request *r, const char *body, size_t n);
     uint64_t body_limit; /* bytes; 0: that of uploads */
-    lf_door door;
+    lf_service service;
     lf_route_needs needs;
     lf_web_lane lane;
     bool is_start; /* path is the start of longer ones, which are meant */
@@ -111,7 +111,7 @@ struct lf_request {
     lf_request *next;
     lf_web *web;
     struct MHD_Connection *connection;
-    lf_door door;
+    lf_service service;
     const char *path;
     const lf_route *route; /* NULL: it is answered */
     bool acted;
@@ -144,8 +144,8 @@ enum MHD_Result lf_request_refuse_json(lf_request *r, unsigned status, int code,
                                        const lf_error *err);
 
 /* routes.c */
-/* The route of a path and a method at a door. NULL: *out_status is 404 or 405. */
-const lf_route *lf_route_find(lf_door door, const char *path, const char *method,
+/* The route of a path and a method at a service. NULL: *out_status is 404 or 405. */
+const lf_route *lf_route_find(lf_service service, const char *path, const char *method,
                               unsigned *out_status);
 /* Asks quiltd and suspends the request; `finish` follows, at once if nobody listens. Refuses it
  * with 503 if its lane is full. params: taken. r->fd goes with the call. */
@@ -188,7 +188,7 @@ struct lf_seat_kind {
 struct lf_seat {
     lf_seat *next;
     lf_web *web;
-    lf_door door;
+    lf_service service;
     const lf_seat_kind *kind;
     void *guest;
     struct MHD_UpgradeResponseHandle *handle;
@@ -199,7 +199,7 @@ enum MHD_Result lf_seats_answer(lf_request *r, const lf_seat_kind *kind);
 /* The guest has ended. Not from within an event of the WebSocket. */
 void lf_seat_leave(lf_seat *gone);
 void lf_seats_leave(lf_web *web);
-/* WebSockets of all doors. */
+/* WebSockets of all services. */
 int lf_seats_count(const lf_web *web);
 
 /* bridge_http.c, bridge_events.c */

@@ -1,4 +1,5 @@
-/* The door of WebXR pages: the older protocol (driver.h) at /driver, and the calibration at /. */
+/* The service of WebXR pages: the older protocol (driver.h) at /driver, and the calibration at /.
+ */
 #include "daemon/web/web_internal.h"
 
 #include <stdlib.h>

@@ -10,20 +10,20 @@ import { openWebSocket } from "../../clients/js/quiltd/websocket.js";
 class NodeWebSocket {
   constructor(url) {
     openWebSocket(new URL(url.replace(/^ws/, "http")), {}).then(
-      (door) => {
-        this.door = door;
-        door.received = (data) => this.onmessage?.({ data });
-        door.ended = () => this.onclose?.({});
+      (socket) => {
+        this.socket = socket;
+        socket.received = (data) => this.onmessage?.({ data });
+        socket.ended = () => this.onclose?.({});
         this.onopen?.({});
       },
       (error) => this.onerror?.(error),
     );
   }
   send(text) {
-    this.door.send(text);
+    this.socket.send(text);
   }
   close() {
-    this.door?.close();
+    this.socket?.close();
   }
 }
 globalThis.window = globalThis;

@@ -101,7 +101,7 @@ export const panelOnlySteps = [
   {
     name: "--panel-only: quiltd opens the panel again at its end",
     run: async (world) => {
-      await world.doors.end();
+      await world.services.end();
       await eventually(async () => assert.equal((await world.quiltctl("status")).device.kind, "sim"));
     },
   },

@@ -132,17 +132,17 @@ class Service:
     """Requests of the older service and their replies, whose identifiers must be those of the requests."""
 
     def __init__(self, where):
-        self.door = WebSocket(11222, "/driver", "rep.sp.nanomsg.org") if where == "ws" else Ipc(where)
+        self.socket = WebSocket(11222, "/driver", "rep.sp.nanomsg.org") if where == "ws" else Ipc(where)
         self.id = random.getrandbits(31) | 1 << 31
 
     def send(self, request):
         self.id = (self.id + 1) | 1 << 31
-        self.door.send(self.id.to_bytes(4, "big") + wire.encode(request))
+        self.socket.send(self.id.to_bytes(4, "big") + wire.encode(request))
 
     def call(self, request):
         self.send(request)
         while True:  # replies to requests that were given up are left out
-            reply = self.door.receive()
+            reply = self.socket.receive()
             if int.from_bytes(reply[:4], "big") == self.id:
                 return wire.decode(reply[4:])
 

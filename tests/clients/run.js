@@ -40,9 +40,9 @@ function missing({ needs }) {
 async function runAll(world, list, prefix = "") {
   for (const step of list) {
     const skipped = missing(step);
-    const before = world.doors.log().length;
+    const before = world.services.log().length;
     const why = skipped ? "" : await step.run(world).then(() => "", shortly);
-    say(prefix + step.name, why && `${why}\nlog of the gateway:\n${world.doors.log().slice(before).slice(-2000)}`, skipped);
+    say(prefix + step.name, why && `${why}\nlog of the gateway:\n${world.services.log().slice(before).slice(-2000)}`, skipped);
   }
 }
 

@@ -25,9 +25,9 @@ const succeeds = (answer) => assert.equal(answer.success, true, JSON.stringify(a
 
 // What the gateway's log gets for a request that cannot be done. The panel keeps the picture.
 async function failsInTheLog(world, word, act) {
-  const before = world.doors.log().length;
+  const before = world.services.log().length;
   await act();
-  await eventually(() => assert.match(world.doors.log().slice(before), word));
+  await eventually(() => assert.match(world.services.log().slice(before), word));
 }
 
 // --------------------------------------------------------------------------- bridge.js as it is published --
@@ -142,18 +142,18 @@ step("nngcat gets the panel over the WebSocket", async () => {
   assert.equal(reply.error, 0);
   isOurs(reply.devices[0]);
 }, "nngcat");
-step("nngcat gets the panel over the Unix socket", async ({ doors }) => {
-  const reply = await program("nngcat", [`ipc://${doors.ipc}`]);
+step("nngcat gets the panel over the Unix socket", async ({ services }) => {
+  const reply = await program("nngcat", [`ipc://${services.ipc}`]);
   assert.equal(reply.error, 0);
   isOurs(reply.devices[0]);
 }, "nngcat");
-step("VTK's module gets the numbers of its panel", async ({ doors }) => {
-  const { device, numbers } = await program("vtk", [doors.ipc]);
+step("VTK's module gets the numbers of its panel", async ({ services }) => {
+  const { device, numbers } = await program("vtk", [services.ipc]);
   isOurs(device);
   for (const [name, value] of NUMBERS) assert.equal(numbers[name], value, name);
 });
 step("AliceLG's quilt is on the panel, though it reads no reply", async (world) => {
-  const { device, after } = await program("alice", [world.doors.ipc], picture(RED.fourth));
+  const { device, after } = await program("alice", [world.services.ipc], picture(RED.fourth));
   isOurs(device);
   assert.equal(after, 0);
   await shows(world, RED.fourth);
@@ -162,6 +162,6 @@ step("the same over the WebSocket, with a reply that says so", async (world) => 
   assert.equal((await program("bindata", ["ws"], picture(RED.fifth))).error, 0);
   await shows(world, RED.fifth);
 });
-step("show without a picture, hide and wipe are answered", async ({ doors }) => {
-  for (const reply of await program("demo", [doors.ipc])) assert.equal(reply.error, 0);
+step("show without a picture, hide and wipe are answered", async ({ services }) => {
+  for (const reply of await program("demo", [services.ipc])) assert.equal(reply.error, 0);
 });

@@ -1,4 +1,4 @@
-"""The bytes of the older doors: CBOR (RFC 8949) of maps, arrays, texts, bytes and numbers, WebSocket frames (RFC 6455), and
+"""The bytes of the older services: CBOR (RFC 8949) of maps, arrays, texts, bytes and numbers, WebSocket frames (RFC 6455), and
 messages of nng over a Unix socket. For program.py and fake.py."""
 
 import base64

@@ -1,4 +1,4 @@
-// What the steps have: a quiltd on a simulated panel, a gateway before it with the doors of other programs, pictures, and looks at
+// What the steps have: a quiltd on a simulated panel, a gateway before it with the services of other programs, pictures, and looks at
 // what the panel shows. QUILTD_BUILD has our programs, CLIENTS_NODE the packages of others.
 
 import { execFile, fork, spawn } from "node:child_process";
@@ -34,8 +34,8 @@ async function ended(child) {
   await end;
 }
 
-// A gateway with all doors open: quiltweb, or the fake with a mistake. { text(), end() }
-async function openDoors(live, { fake, mistake, options = [], origin }) {
+// A gateway with all services open: quiltweb, or the fake with a mistake. { text(), end() }
+async function openServices(live, { fake, mistake, options = [], origin }) {
   const ipc = join(live.folder, "nng");
   await rm(ipc, { force: true });
   const command = fake
@@ -119,12 +119,12 @@ export class World {
   }
 
   async open(gateway) {
-    this.doors = await openDoors(this.live, gateway);
+    this.services = await openServices(this.live, gateway);
     this.app = startApp();
   }
   async close() {
     await this.app.end();
-    await this.doors.end();
+    await this.services.end();
   }
   async end() {
     await this.live.stop();

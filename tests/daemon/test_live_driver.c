@@ -13,7 +13,7 @@ enum { ID = (int)0xcaba09e5u };
 /* As the live scene: 3 x 2 views of 24 x 32 pixels. */
 enum { COLUMNS = 3, ROWS = 2, WIDTH = 72, HEIGHT = 64, BYTES = 3 * WIDTH * HEIGHT };
 
-/* quiltd, and quiltweb with all of its doors. */
+/* quiltd, and quiltweb with all of its services. */
 typedef struct programs {
     live l;
     pid_t web;

@@ -14,7 +14,7 @@ static int open_socket(fuzz_gateway *g)
              "GET /rpc HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n"
              "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
              "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n",
-             lf_web_port(g->web, LF_DOOR_PAGE), g->token);
+             lf_web_port(g->web, LF_SERVICE_PAGE), g->token);
     fuzz_send(g, fd, request, strlen(request));
     return fd;
 }

@@ -19,7 +19,7 @@ static const char *cookie_of(fuzz_gateway *g)
     snprintf(request, sizeof request,
              "POST /api/login HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n"
              "Content-Length: 0\r\n\r\n",
-             lf_web_port(g->web, LF_DOOR_PAGE), g->token);
+             lf_web_port(g->web, LF_SERVICE_PAGE), g->token);
     int fd = fuzz_connect(g);
     fuzz_send(g, fd, request, strlen(request));
     fuzz_end(g, fd, answer, sizeof answer);
@@ -34,7 +34,7 @@ static char *request_of(const uint8_t *data, size_t size, const char *cookie, co
                         size_t *out_n)
 {
     char address[32];
-    snprintf(address, sizeof address, "127.0.0.1:%d", lf_web_port(g->web, LF_DOOR_PAGE));
+    snprintf(address, sizeof address, "127.0.0.1:%d", lf_web_port(g->web, LF_SERVICE_PAGE));
     const char *const words[] = {[ADDRESS] = address, [TOKEN] = g->token, [COOKIE] = cookie};
     char *request = lf_calloc(size + 1, 64);
     size_t n = 0;

@@ -93,8 +93,10 @@ static inline int fuzz_on_client(sd_event_source *source, int fd, uint32_t what,
 static inline void fuzz_begin_web(fuzz_gateway *g, const char *socket)
 {
     lf_error err = {0};
-    lf_web_config config = {.doors[LF_DOOR_PAGE].n = 1, .socket = socket, .upload_limit = 1 << 20};
-    lf_fuzz_require(lf_web_listen("127.0.0.1:0", &config.doors[LF_DOOR_PAGE].fd[0], &err) == LF_OK);
+    lf_web_config config = {
+        .services[LF_SERVICE_PAGE].n = 1, .socket = socket, .upload_limit = 1 << 20};
+    lf_fuzz_require(lf_web_listen("127.0.0.1:0", &config.services[LF_SERVICE_PAGE].fd[0], &err) ==
+                    LF_OK);
     lf_fuzz_require(lf_web_create(g->event, &config, &g->web, &err) == LF_OK);
 }
 
@@ -141,7 +143,7 @@ static inline void fuzz_run(fuzz_gateway *g)
 static inline int fuzz_connect(const fuzz_gateway *g)
 {
     struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)lf_web_port(g->web, LF_DOOR_PAGE)),
+                                  .sin_port = htons((uint16_t)lf_web_port(g->web, LF_SERVICE_PAGE)),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     lf_fuzz_require(fd >= 0 && connect(fd, (struct sockaddr *)&address, sizeof address) == 0);

@@ -1,5 +1,5 @@
 // A soak of the gateway: eight WebSockets, one of which reads slowly and one of which is hostile, beside 16 clients of the socket,
-// honest and hostile programs at the doors of other programs, and, with QUILTD_NODE, a browser. Everybody else goes on, and neither
+// honest and hostile programs at the services of other programs, and, with QUILTD_NODE, a browser. Everybody else goes on, and neither
 // memory nor descriptors grow.
 //
 // SOAK_SECONDS (20): how long. The first quarter is without the slow and the hostile one, to compare with. SOAK_STRICT: judge the
@@ -14,7 +14,7 @@ import { setTimeout as nap } from "node:timers/promises";
 import { connect } from "../../clients/js/quiltd/node.js";
 import { encodeFrame } from "../../clients/js/quiltd/websocket.js";
 import { start } from "../../clients/js/tests/live.js";
-import { annoyDoors, askBridge, askByNng, chooseDoors } from "./soak_doors.js";
+import { annoyServices, askBridge, askByNng, chooseServices } from "./soak_services.js";
 
 const SECONDS = Number(process.env.SOAK_SECONDS ?? 20);
 const HONEST = 6, JSON_CLIENTS = 16, PROGRAMS = 2;
@@ -138,7 +138,7 @@ function growth(samples) {
   return { from, to, by: to - from };
 }
 
-async function run(live, doors) {
+async function run(live, services) {
   const counts = { slow: 0, hostile: 0, drags: 0 }, kib = { quiltd: [], quiltweb: [] };
   const end = performance.now() + 1000 * SECONDS, bad = performance.now() + 250 * SECONDS;
   const running = () => performance.now() < end;
@@ -151,8 +151,8 @@ async function run(live, doors) {
     tasks.push(call(q, one, running, 50), watchImages(q, one, running));
   }
   for (const one of json) tasks.push(call(await open(live.socket), one, running, 100));
-  for (const one of bridge) tasks.push(askBridge(doors, one, running));
-  for (const one of nng) tasks.push(askByNng(doors, one, running));
+  for (const one of bridge) tasks.push(askBridge(services, one, running));
+  for (const one of nng) tasks.push(askByNng(services, one, running));
   if (process.env.QUILTD_NODE) tasks.push(browse(live.url, counts, running));
   const allCalls = () => [web, json].map((list) => list.reduce((sum, { calls }) => sum + calls, 0));
   let quietTurn, quietCalls;
@@ -160,7 +160,7 @@ async function run(live, doors) {
     while (performance.now() < bad) await nap(100);
     quietTurn = (await live.q.status()).longest_turn;
     quietCalls = allCalls();
-    await Promise.all([readSlowly(live.url, counts, running), annoy(live.url, counts, running), annoyDoors(doors, counts, running)]);
+    await Promise.all([readSlowly(live.url, counts, running), annoy(live.url, counts, running), annoyServices(services, counts, running)]);
   })());
   tasks.push((async () => {
     for (; running(); await nap(250)) for (const name in kib) kib[name].push(residentKib(live.pids[name]));
@@ -181,13 +181,13 @@ async function letGo(live, before) {
 describe("slow and hostile clients", () => {
   it("keep nobody waiting, and leave nothing", async () => {
     const options = ["--device", "sim:panel", "--view-size", "48x64", "--threads", "1", "--run-for", String(SECONDS + 1800)];
-    let doors;
-    const live = await start({ options, web: async (folder) => (doors = await chooseDoors(folder)).options });
+    let services;
+    const live = await start({ options, web: async (folder) => (services = await chooseServices(folder)).options });
     try {
       await live.q.wait("complete");
       await (await connect(live.url)).close();
       const before = Object.values(live.pids).map(descriptors);
-      const { counts, kib, web, json, bridge, nng, kept, quietTurn, turn } = await run(live, doors);
+      const { counts, kib, web, json, bridge, nng, kept, quietTurn, turn } = await run(live, services);
       const after = await letGo(live, before);
       const least = (list, what) => Math.min(...list.map((one) => one[what]));
       const usual = (list, what) => median(list.map((one) => one[what]));

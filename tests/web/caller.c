@@ -7,14 +7,14 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include "daemon/web/door.h"
+#include "daemon/web/service.h"
 
 enum { PATIENCE_MS = 60000 };
 
-int lf_caller_connect_door(const gateway *g, int door)
+int lf_caller_connect_service(const gateway *g, int service)
 {
     struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)lf_gateway_door_port(g, door)),
+                                  .sin_port = htons((uint16_t)lf_gateway_service_port(g, service)),
                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     const struct timeval patience = {.tv_sec = PATIENCE_MS / 1000};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -26,7 +26,7 @@ int lf_caller_connect_door(const gateway *g, int door)
 
 int lf_caller_connect(const gateway *g)
 {
-    return lf_caller_connect_door(g, LF_DOOR_PAGE);
+    return lf_caller_connect_service(g, LF_SERVICE_PAGE);
 }
 
 bool lf_caller_send(int fd, const char *raw, size_t n)
@@ -67,16 +67,16 @@ const char *lf_caller_rest(int fd)
     return answer;
 }
 
-const char *lf_caller_ask_door(const gateway *g, int door, const char *request)
+const char *lf_caller_ask_service(const gateway *g, int service, const char *request)
 {
-    int fd = lf_caller_connect_door(g, door);
+    int fd = lf_caller_connect_service(g, service);
     (void)lf_caller_send(fd, request, strlen(request));
     return lf_caller_rest(fd);
 }
 
 const char *lf_caller_ask(const gateway *g, const char *request)
 {
-    return lf_caller_ask_door(g, LF_DOOR_PAGE, request);
+    return lf_caller_ask_service(g, LF_SERVICE_PAGE, request);
 }
 
 int lf_caller_begin(const gateway *g, const char *line, const char *headers)
@@ -113,18 +113,18 @@ int lf_caller_status(const char *answer)
     return strncmp(answer, "HTTP/1.1 ", 9) == 0 ? atoi(answer + 9) : 0;
 }
 
-int lf_talk_connect_door(const gateway *g, int door, const char *path, const char *headers,
-                         const char **out_answer)
+int lf_talk_connect_service(const gateway *g, int service, const char *path, const char *headers,
+                            const char **out_answer)
 {
     static char answer[4096];
     char request[4096];
     size_t used = 0;
-    int fd = lf_caller_connect_door(g, door);
+    int fd = lf_caller_connect_service(g, service);
     snprintf(request, sizeof request,
              "GET %s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nUpgrade: websocket\r\n"
              "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
-             path, lf_gateway_door_port(g, door), headers);
+             path, lf_gateway_service_port(g, service), headers);
     assert_true(lf_caller_send(fd, request, strlen(request)));
     while (used + 1 < sizeof answer && recv(fd, answer + used, 1, 0) == 1) {
         answer[++used] = '\0';
@@ -138,7 +138,7 @@ int lf_talk_connect_door(const gateway *g, int door, const char *path, const cha
 
 int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer)
 {
-    return lf_talk_connect_door(g, LF_DOOR_PAGE, "/rpc", headers, out_answer);
+    return lf_talk_connect_service(g, LF_SERVICE_PAGE, "/rpc", headers, out_answer);
 }
 
 int lf_talk_open(const gateway *g)

@@ -23,7 +23,7 @@ struct gateway {
     struct {
         lf_web_sockets sockets;
         int port;
-    } doors[LF_DOORS];
+    } services[LF_SERVICES];
     const char *public_origin;
     lf_origins allowed;
     char url[LF_WEB_URL_SIZE];
@@ -497,14 +497,14 @@ static void *be_gateway(void *context)
                             .socket = g->socket,
                             .public_origin = g->public_origin,
                             .upload_limit = GATEWAY_UPLOADS};
-    for (int i = 0; i < LF_DOORS; i++)
-        config.doors[i] = g->doors[i].sockets;
+    for (int i = 0; i < LF_SERVICES; i++)
+        config.services[i] = g->services[i].sockets;
     if (sd_event_new(&event) < 0 ||
         sd_event_add_io(event, NULL, g->stop_web, POLLIN, on_stop, NULL) < 0 ||
         lf_web_create(event, &config, &web, &err) != LF_OK)
         abort();
-    for (int i = 0; i < LF_DOORS; i++)
-        g->doors[i].port = lf_web_port(web, i);
+    for (int i = 0; i < LF_SERVICES; i++)
+        g->services[i].port = lf_web_port(web, i);
     snprintf(g->url, sizeof g->url, "%s", lf_web_url(web));
     pthread_barrier_wait(&g->ready);
     sd_event_loop(event);
@@ -531,8 +531,8 @@ static int set_up(void **state, const char *public_origin, bool programs)
     g->daemon_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(bind(g->daemon_fd, (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(g->daemon_fd, 40), 0);
-    for (int i = 0; i < (programs ? LF_DOORS : 1); i++)
-        lf_assert_ok(lf_web_listen_port(0, &g->doors[i].sockets, &err), &err);
+    for (int i = 0; i < (programs ? LF_SERVICES : 1); i++)
+        lf_assert_ok(lf_web_listen_port(0, &g->services[i].sockets, &err), &err);
     if (programs)
         lf_assert_ok(lf_origins_add(&g->allowed, "https://allowed.test", &err), &err);
     pthread_mutex_init(&g->lock, NULL);
@@ -585,17 +585,17 @@ int lf_gateway_teardown(void **state)
 
 int lf_gateway_port(const gateway *g)
 {
-    return g->doors[LF_DOOR_PAGE].port;
+    return g->services[LF_SERVICE_PAGE].port;
 }
 
-int lf_gateway_door_port(const gateway *g, int door)
+int lf_gateway_service_port(const gateway *g, int service)
 {
-    return g->doors[door].port;
+    return g->services[service].port;
 }
 
 bool lf_gateway_has_v6(const gateway *g)
 {
-    return g->doors[LF_DOOR_PAGE].sockets.n == 2;
+    return g->services[LF_SERVICE_PAGE].sockets.n == 2;
 }
 
 const char *lf_gateway_url(const gateway *g)

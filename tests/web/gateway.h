@@ -20,7 +20,7 @@ int lf_gateway_setup(void **state);
 int lf_gateway_teardown(void **state);
 /* One with --public https://panel.test. */
 int lf_gateway_public_setup(void **state);
-/* One with the doors of programs, where pages of https://allowed.test may ask. */
+/* One with the services of programs, where pages of https://allowed.test may ask. */
 int lf_gateway_programs_setup(void **state);
 #define lf_gateway_programs_test(test)                                                             \
     cmocka_unit_test_setup_teardown(test, lf_gateway_programs_setup, lf_gateway_teardown)
@@ -30,7 +30,7 @@ int lf_gateway_programs_setup(void **state);
     cmocka_unit_test_setup_teardown(test, lf_gateway_setup, lf_gateway_teardown)
 
 int lf_gateway_port(const gateway *g);
-int lf_gateway_door_port(const gateway *g, int door);
+int lf_gateway_service_port(const gateway *g, int service);
 /* Whether it listens on [::1], too, and not only on 127.0.0.1. */
 bool lf_gateway_has_v6(const gateway *g);
 const char *lf_gateway_token(const gateway *g);
@@ -45,7 +45,7 @@ const char *lf_gateway_cookie(gateway *g);
  * whose files hold "job 1 file 0". false: it answers no frame.get,
  * library.thumbnail and quilt.show any more. */
 void lf_gateway_answer_images(gateway *g, bool answer);
-/* Of a gateway with the doors of programs: changes the slideshow, or returns it as JSON. */
+/* Of a gateway with the services of programs: changes the slideshow, or returns it as JSON. */
 void lf_gateway_set_slideshow(gateway *g, void (*change)(lf_false_slideshow *));
 json_t *lf_gateway_slideshow(gateway *g);
 /* Another scene: its images have these columns. */
@@ -76,9 +76,9 @@ void lf_gateway_flood_end(gateway *g);
 /* Closes all connections of quiltd. */
 void lf_gateway_hang_up(gateway *g);
 
-/* A TCP connection to the gateway: to its page, or to a door (lf_door). */
+/* A TCP connection to the gateway: to its page, or to a service (lf_service). */
 int lf_caller_connect(const gateway *g);
-int lf_caller_connect_door(const gateway *g, int door);
+int lf_caller_connect_service(const gateway *g, int service);
 /* Sends raw[n]; true if all of it was taken. */
 bool lf_caller_send(int fd, const char *raw, size_t n);
 /* Sends raw[n] until nobody takes more for a second; the number of bytes taken. */
@@ -91,17 +91,17 @@ int lf_caller_begin(const gateway *g, const char *line, const char *headers);
 const char *lf_caller_put(const gateway *g, const char *target, const char *body, size_t n);
 /* Sends a request and returns all that comes until the end, terminated, in a static buffer. */
 const char *lf_caller_ask(const gateway *g, const char *request);
-const char *lf_caller_ask_door(const gateway *g, int door, const char *request);
+const char *lf_caller_ask_service(const gateway *g, int service, const char *request);
 /* As lf_caller_ask, with "METHOD PATH HTTP/1.1", a Host that is right, and more headers (each ended
  * by \r\n). */
 const char *lf_caller_get(const gateway *g, const char *line, const char *headers);
 /* The status of an answer; 0: none. */
 int lf_caller_status(const char *answer);
 
-/* A WebSocket; at the page's door, or of a path at another one. */
+/* A WebSocket; at the page's service, or of a path at another one. */
 int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer);
-int lf_talk_connect_door(const gateway *g, int door, const char *path, const char *headers,
-                         const char **out_answer);
+int lf_talk_connect_service(const gateway *g, int service, const char *path, const char *headers,
+                            const char **out_answer);
 /* One with the token. */
 int lf_talk_open(const gateway *g);
 void lf_talk_send(int fd, int opcode, const char *data, size_t n);

@@ -2,7 +2,7 @@
 #include "tests/web/gateway.h"
 
 #include "daemon/web/bridge_lists.h"
-#include "daemon/web/door.h"
+#include "daemon/web/service.h"
 
 /* PUT with a body and more headers; all that comes back. */
 static const char *put_raw(gateway *g, const char *endpoint, const char *body, const char *headers)
@@ -10,8 +10,8 @@ static const char *put_raw(gateway *g, const char *endpoint, const char *body, c
     char request[8192];
     snprintf(request, sizeof request,
              "PUT /%s HTTP/1.1\r\nHost: localhost:%d\r\nContent-Length: %zu\r\n%s\r\n%s", endpoint,
-             lf_gateway_door_port(g, LF_DOOR_BRIDGE), strlen(body), headers, body);
-    return lf_caller_ask_door(g, LF_DOOR_BRIDGE, request);
+             lf_gateway_service_port(g, LF_SERVICE_BRIDGE), strlen(body), headers, body);
+    return lf_caller_ask_service(g, LF_SERVICE_BRIDGE, request);
 }
 
 /* The reply as JSON, a new reference; the status of HTTP must be 200. */
@@ -353,12 +353,12 @@ static void a_quiltd_that_ends_fails_the_requests(void **state)
     const char *token = enter(g);
     make_list(g, token, "a", "/a.png");
     lf_gateway_set_slideshow(g, hang);
-    int fd = lf_caller_connect_door(g, LF_DOOR_BRIDGE);
+    int fd = lf_caller_connect_service(g, LF_SERVICE_BRIDGE);
     char body[128];
     const int n = snprintf(body, sizeof body, "{\"orchestration\":\"%s\",\"name\":\"a\"}", token);
     snprintf(request, sizeof request,
              "PUT /play_playlist HTTP/1.1\r\nHost: localhost:%d\r\nContent-Length: %d\r\n\r\n%s",
-             lf_gateway_door_port(g, LF_DOOR_BRIDGE), n, body);
+             lf_gateway_service_port(g, LF_SERVICE_BRIDGE), n, body);
     assert_true(lf_caller_send(fd, request, strlen(request)));
     while (lf_gateway_calls(g, "playlist.play") == 0)
         usleep(1000);
@@ -393,10 +393,10 @@ static void bodies_are_objects_of_32_kibibytes(void **state)
         char *body = malloc(LONGEST + 2);
         memset(body, ' ', LONGEST + 1);
         memcpy(body, "{}", 2);
-        int fd = lf_caller_connect_door(g, LF_DOOR_BRIDGE);
+        int fd = lf_caller_connect_service(g, LF_SERVICE_BRIDGE);
         snprintf(request, sizeof request,
                  "PUT /bridge_version HTTP/1.1\r\nHost: localhost:%d\r\nContent-Length: %d\r\n\r\n",
-                 lf_gateway_door_port(g, LF_DOOR_BRIDGE), LONGEST + more);
+                 lf_gateway_service_port(g, LF_SERVICE_BRIDGE), LONGEST + more);
         assert_true(lf_caller_send(fd, request, strlen(request)));
         (void)lf_caller_send(fd, body, (size_t)LONGEST + (size_t)more);
         assert_int_equal(lf_caller_status(lf_caller_rest(fd)), more ? 413 : 200);
@@ -415,7 +415,7 @@ static int listen_to(gateway *g, const char *token)
 {
     char text[128];
     const char *answer = NULL;
-    int fd = lf_talk_connect_door(g, LF_DOOR_EVENTS, "/event_source", "", &answer);
+    int fd = lf_talk_connect_service(g, LF_SERVICE_EVENTS, "/event_source", "", &answer);
     assert_int_equal(lf_caller_status(answer), 101);
     snprintf(text, sizeof text, "{\"subscribe_orchestration_events\":\"%s\"}", token);
     lf_talk_say(fd, text);
@@ -490,16 +490,17 @@ static void a_listener_says_which_orchestration(void **state)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         const unsigned char *data = NULL;
         size_t n = 0;
-        int fd = lf_talk_connect_door(g, LF_DOOR_EVENTS, "/event_source", "", NULL);
+        int fd = lf_talk_connect_service(g, LF_SERVICE_EVENTS, "/event_source", "", NULL);
         lf_talk_say(fd, wrong[i]);
         assert_int_equal(lf_talk_next(fd, &data, &n), 8);
         assert_int_equal(data[0] << 8 | data[1], 1008);
         close(fd);
     }
     const char *answer = NULL;
-    close(lf_talk_connect_door(g, LF_DOOR_EVENTS, "/event_source", "Origin: null\r\n", &answer));
+    close(lf_talk_connect_service(g, LF_SERVICE_EVENTS, "/event_source", "Origin: null\r\n",
+                                  &answer));
     assert_int_equal(lf_caller_status(answer), 403);
-    close(lf_talk_connect_door(g, LF_DOOR_BRIDGE, "/event_source", "", &answer));
+    close(lf_talk_connect_service(g, LF_SERVICE_BRIDGE, "/event_source", "", &answer));
     assert_int_equal(lf_caller_status(answer), 405); /* it is an endpoint there */
 }
 

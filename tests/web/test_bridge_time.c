@@ -12,7 +12,7 @@
 #include "daemon/web/listen.h"
 #include "daemon/web/web.h"
 
-/* A gateway with the doors of Bridge, and a quiltd that says what the test says. */
+/* A gateway with the services of Bridge, and a quiltd that says what the test says. */
 typedef struct behind {
     char *folder, path[108];
     int listener, quiltd;
@@ -20,10 +20,10 @@ typedef struct behind {
     char token[64];
 } behind;
 
-static int connect_door(const behind *b, lf_door door)
+static int connect_service(const behind *b, lf_service service)
 {
     const struct sockaddr_in address = {.sin_family = AF_INET,
-                                        .sin_port = htons((uint16_t)lf_web_port(b->web, door)),
+                                        .sin_port = htons((uint16_t)lf_web_port(b->web, service)),
                                         .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), small = 32768;
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
@@ -35,11 +35,11 @@ static int connect_door(const behind *b, lf_door door)
 static int begin_put(const behind *b, const char *endpoint, const char *body)
 {
     char request[1024];
-    int fd = connect_door(b, LF_DOOR_BRIDGE);
+    int fd = connect_service(b, LF_SERVICE_BRIDGE);
     const int n =
         snprintf(request, sizeof request,
                  "PUT /%s HTTP/1.1\r\nHost: localhost:%d\r\nContent-Length: %zu\r\n\r\n%s",
-                 endpoint, lf_web_port(b->web, LF_DOOR_BRIDGE), strlen(body), body);
+                 endpoint, lf_web_port(b->web, LF_SERVICE_BRIDGE), strlen(body), body);
     assert_int_equal(send(fd, request, (size_t)n, MSG_NOSIGNAL), n);
     lf_clock_settle(event);
     return fd;
@@ -62,10 +62,10 @@ static void open_behind(behind *b)
     *b = (behind){.folder = lf_test_folder(), .quiltd = -1};
     b->listener = listen_as_quiltd(b->folder, b->path);
     lf_web_config config = {.socket = b->path, .upload_limit = 1 << 20};
-    for (int i = 0; i <= LF_DOOR_EVENTS; i++) {
-        config.doors[i].n = 1;
-        lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.doors[i].fd[0], &err), &err);
-        setsockopt(config.doors[i].fd[0], SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
+    for (int i = 0; i <= LF_SERVICE_EVENTS; i++) {
+        config.services[i].n = 1;
+        lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.services[i].fd[0], &err), &err);
+        setsockopt(config.services[i].fd[0], SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
     }
     lf_assert_ok(lf_web_create(event, &config, &b->web, &err), &err);
     const char *reply = receive(begin_put(b, "enter_orchestration", "{}"));
@@ -388,12 +388,12 @@ static void events_for_a_program_that_sleeps_are_lost(void **state)
     unsigned char frame[160] = {0x81};
     behind b;
     open_behind(&b);
-    int fd = connect_door(&b, LF_DOOR_EVENTS);
+    int fd = connect_service(&b, LF_SERVICE_EVENTS);
     int n = snprintf(text, sizeof text,
                      "GET /event_source HTTP/1.1\r\nHost: localhost:%d\r\nUpgrade: websocket\r\n"
                      "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
-                     lf_web_port(b.web, LF_DOOR_EVENTS));
+                     lf_web_port(b.web, LF_SERVICE_EVENTS));
     assert_int_equal(send(fd, text, (size_t)n, MSG_NOSIGNAL), n);
     lf_clock_settle(event);
     n = snprintf(text, sizeof text, "{\"subscribe_orchestration_events\":\"%s\"}", b.token);

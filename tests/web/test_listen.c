@@ -39,7 +39,7 @@ static void check_refused(sd_event *event, const int *fds, int n)
 {
     lf_error err = {0};
     lf_web *web = NULL;
-    const lf_web_config config = {.doors[LF_DOOR_PAGE] = {.fd = {fds[0], fds[1]}, .n = n},
+    const lf_web_config config = {.services[LF_SERVICE_PAGE] = {.fd = {fds[0], fds[1]}, .n = n},
                                   .socket = "/nowhere"};
     lf_assert_status(lf_web_create(event, &config, &web, &err), LF_E_ARG, &err);
 }
@@ -53,7 +53,7 @@ static void a_socket_for_everybody_is_refused(void **state)
     sd_event *event = NULL;
     lf_web *web = NULL;
     int fds[2] = {socket(AF_INET, SOCK_STREAM, 0), -1};
-    lf_web_config config = {.doors[LF_DOOR_PAGE].n = 1, .socket = "/nowhere"};
+    lf_web_config config = {.services[LF_SERVICE_PAGE].n = 1, .socket = "/nowhere"};
     assert_true(sd_event_new(&event) >= 0);
     assert_int_equal(bind(fds[0], (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(fds[0], 1), 0);
@@ -63,7 +63,7 @@ static void a_socket_for_everybody_is_refused(void **state)
     lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[0], &err), &err);
     lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[1], &err), &err);
     check_refused(event, fds, 2); /* two ports */
-    lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.doors[LF_DOOR_PAGE].fd[0], &err), &err);
+    lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.services[LF_SERVICE_PAGE].fd[0], &err), &err);
     lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
     assert_memory_equal(lf_web_url(web), "http://127.0.0.1:", 17);
     assert_int_equal(strlen(strchr(lf_web_url(web), '#') + 1), 32);
@@ -260,7 +260,7 @@ static void sockets_of_systemd_are_told_apart_by_name(void **state)
     text = run_with_sockets(all, "--bridge=0,0", &code);
     assert_int_equal(code, 2);
     assert_non_null(strstr(text, "leave out its option"));
-    text = run_with_sockets(same, NULL, &code); /* those of a door need one port */
+    text = run_with_sockets(same, NULL, &code); /* those of a service need one port */
     assert_int_equal(code, 2);
     text = run_with_sockets(three, NULL, &code);
     assert_int_equal(code, 2);

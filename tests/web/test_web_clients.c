@@ -15,8 +15,9 @@ static lf_web *begin_web_for(const char *path)
 {
     lf_error err = {0};
     lf_web *web = NULL;
-    lf_web_config config = {.doors[LF_DOOR_PAGE].n = 1, .socket = path, .upload_limit = 1 << 20};
-    lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.doors[LF_DOOR_PAGE].fd[0], &err), &err);
+    lf_web_config config = {
+        .services[LF_SERVICE_PAGE].n = 1, .socket = path, .upload_limit = 1 << 20};
+    lf_assert_ok(lf_web_listen("127.0.0.1:0", &config.services[LF_SERVICE_PAGE].fd[0], &err), &err);
     lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
     return web;
 }
@@ -29,7 +30,8 @@ static lf_web *begin_web(void)
 static int connect_client(const lf_web *web)
 {
     const struct sockaddr_in address = {.sin_family = AF_INET,
-                                        .sin_port = htons((uint16_t)lf_web_port(web, LF_DOOR_PAGE)),
+                                        .sin_port =
+                                            htons((uint16_t)lf_web_port(web, LF_SERVICE_PAGE)),
                                         .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
@@ -45,7 +47,7 @@ static int begin_client(const lf_web *web, const char *line, const char *headers
     const int n =
         snprintf(request, sizeof request,
                  "%s HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nAuthorization: Bearer %s\r\n%s\r\n", line,
-                 lf_web_port(web, LF_DOOR_PAGE), strchr(lf_web_url(web), '#') + 1, headers);
+                 lf_web_port(web, LF_SERVICE_PAGE), strchr(lf_web_url(web), '#') + 1, headers);
     assert_int_equal(send(fd, request, (size_t)n, MSG_NOSIGNAL), n);
     return fd;
 }

@@ -68,7 +68,7 @@ fact "folders are made" succeeds systemd-tmpfiles --create /usr/lib/tmpfiles.d/q
 printf '%s\n' 'QUILTD_OPTIONS="--views 4 --view-size 60x80 --threads 2 --target-error 0.1"' > /etc/default/quiltd
 fact "the service is off" off quiltweb.service
 fact "the socket is off" off quiltweb.socket
-for door in bridge events webxr; do fact "the socket $door is off" off "quiltweb-$door.socket"; done
+for service in bridge events webxr; do fact "the socket $service is off" off "quiltweb-$service.socket"; done
 fact "it becomes active" becomes_active
 fact "as a user of its own" not_root
 fact "without a network" apart
@@ -94,7 +94,7 @@ fact "it stops" succeeds systemctl stop quiltweb
 fact "the URL is gone" succeeds test ! -e "$url_file"
 fact "a request starts it again" expects 200 127.0.0.1 localhost / none
 fact "it stops" succeeds systemctl stop quiltweb.service
-fact "doors for other programs open" succeeds systemctl start quiltweb-bridge.socket quiltweb-webxr.socket
+fact "services for other programs open" succeeds systemctl start quiltweb-bridge.socket quiltweb-webxr.socket
 fact "a program of Bridge starts it" at 33334 expects 200 127.0.0.1 localhost / none
 fact "events are beside" at 9724 expects 200 ::1 '[::1]' / none
 fact "and WebXR" at 11222 expects 200 127.0.0.1 localhost / none

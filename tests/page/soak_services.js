@@ -1,4 +1,4 @@
-// Clients of quiltweb's doors for other programs, for the soak: honest ones that count their answers, and hostile ones.
+// Clients of quiltweb's services for other programs, for the soak: honest ones that count their answers, and hostile ones.
 
 import { connect } from "node:net";
 import { join } from "node:path";
@@ -14,8 +14,8 @@ const KEPT_OPEN = 4;
 
 const pick = (list) => list[Math.floor(Math.random() * list.length)];
 
-// Where the doors are, and the options of quiltweb that open them.
-export async function chooseDoors(folder) {
+// Where the services are, and the options of quiltweb that open them.
+export async function chooseServices(folder) {
   const [bridge, events, webxr] = [await freePort(), await freePort(), await freePort()];
   const nng = join(folder, "nng");
   return { bridge, events, webxr, nng, options: [`--bridge=${bridge},${events}`, `--webxr=${webxr}`, `--nng=${nng}`] };
@@ -87,11 +87,11 @@ const TO_NNG = [
   () => REQ.subarray(0, 3),
 ];
 
-export async function annoyDoors(doors, counts, running) {
+export async function annoyServices(services, counts, running) {
   const sockets = [];
   while (running()) {
-    const port = pick([doors.bridge, doors.events, doors.webxr, 0]);
-    const socket = port ? connect(port, "127.0.0.1") : connect(doors.nng);
+    const port = pick([services.bridge, services.events, services.webxr, 0]);
+    const socket = port ? connect(port, "127.0.0.1") : connect(services.nng);
     socket.on("error", () => {});
     socket.pause();
     socket.write(port ? pick(TO_PORT)(port) : pick(TO_NNG)());

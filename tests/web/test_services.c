@@ -1,49 +1,50 @@
-/* Doors of programs: whom they let in, each beside whom they refuse. */
+/* Services of programs: whom they let in, each beside whom they refuse. */
 #include "tests/web/gateway.h"
 
-#include "daemon/web/door.h"
 #include "daemon/web/origins.h"
+#include "daemon/web/service.h"
 
 static const char allowed[] = "https://allowed.test";
 
-/* The answer of a door to "METHOD PATH", with a Host that is right, and more headers. */
-static const char *ask(gateway *g, lf_door door, const char *line, const char *headers)
+/* The answer of a service to "METHOD PATH", with a Host that is right, and more headers. */
+static const char *ask(gateway *g, lf_service service, const char *line, const char *headers)
 {
     char request[1024];
     snprintf(request, sizeof request, "%s HTTP/1.1\r\nHost: localhost:%d\r\n%s\r\n", line,
-             lf_gateway_door_port(g, door), headers);
-    return lf_caller_ask_door(g, door, request);
+             lf_gateway_service_port(g, service), headers);
+    return lf_caller_ask_service(g, service, request);
 }
 
-static void check(gateway *g, lf_door door, const char *line, const char *headers, int expected)
+static void check(gateway *g, lf_service service, const char *line, const char *headers,
+                  int expected)
 {
-    const int status = lf_caller_status(ask(g, door, line, headers));
+    const int status = lf_caller_status(ask(g, service, line, headers));
     if (status != expected)
-        fail_msg("door %d, %s, %s: %d, expected %d", door, line, headers, status, expected);
+        fail_msg("service %d, %s, %s: %d, expected %d", service, line, headers, status, expected);
 }
 
-static void each_door_says_that_it_is_there(void **state)
+static void each_service_says_that_it_is_there(void **state)
 {
-    for (lf_door door = LF_DOOR_BRIDGE; door < LF_DOORS; door++) {
-        const int nothing = door == LF_DOOR_BRIDGE ? 405 : 404; /* all its paths take a PUT */
-        check(*state, door, "GET /", "", 200);
-        check(*state, door, "GET /", "Origin: https://allowed.test\r\n", 200);
-        check(*state, door, "POST /", "Content-Length: 0\r\n", 405);
-        check(*state, door, "HEAD /", "", 405);
-        check(*state, door, "GET /main.js", "", nothing);
-        check(*state, door, "GET /api/status", "", nothing);
-        check(*state, door, "GET /rpc", "", nothing);
+    for (lf_service service = LF_SERVICE_BRIDGE; service < LF_SERVICES; service++) {
+        const int nothing = service == LF_SERVICE_BRIDGE ? 405 : 404; /* all its paths take a PUT */
+        check(*state, service, "GET /", "", 200);
+        check(*state, service, "GET /", "Origin: https://allowed.test\r\n", 200);
+        check(*state, service, "POST /", "Content-Length: 0\r\n", 405);
+        check(*state, service, "HEAD /", "", 405);
+        check(*state, service, "GET /main.js", "", nothing);
+        check(*state, service, "GET /api/status", "", nothing);
+        check(*state, service, "GET /rpc", "", nothing);
     }
 }
 
-/* And the page's door has nothing of theirs. */
+/* And the page's service has nothing of theirs. */
 static void the_page_is_served_as_before(void **state)
 {
-    check(*state, LF_DOOR_PAGE, "GET /main.js", "", 200);
-    check(*state, LF_DOOR_PAGE, "OPTIONS /", "", 405);
-    check(*state, LF_DOOR_PAGE, "GET /", "Origin: https://allowed.test\r\n", 403);
-    check(*state, LF_DOOR_PAGE, "PUT /bridge_version", "Content-Length: 0\r\n", 404);
-    assert_null(strstr(ask(*state, LF_DOOR_PAGE, "GET /", ""), "Vary"));
+    check(*state, LF_SERVICE_PAGE, "GET /main.js", "", 200);
+    check(*state, LF_SERVICE_PAGE, "OPTIONS /", "", 405);
+    check(*state, LF_SERVICE_PAGE, "GET /", "Origin: https://allowed.test\r\n", 403);
+    check(*state, LF_SERVICE_PAGE, "PUT /bridge_version", "Content-Length: 0\r\n", 404);
+    assert_null(strstr(ask(*state, LF_SERVICE_PAGE, "GET /", ""), "Vary"));
 }
 
 static void another_page_is_refused(void **state)
@@ -57,11 +58,11 @@ static void another_page_is_refused(void **state)
                                          "Origin: https://allowed.test.evil.test\r\n",
                                          "Origin: http://localhost:8033\r\n",
                                          "Origin: https://allowed.test\r\nOrigin: null\r\n"};
-    for (lf_door door = LF_DOOR_BRIDGE; door < LF_DOORS; door++)
+    for (lf_service service = LF_SERVICE_BRIDGE; service < LF_SERVICES; service++)
         for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
-            check(*state, door, "GET /", others[i], 403);
-            check(*state, door, "OPTIONS /", others[i], 403);
-            assert_null(strstr(ask(*state, door, "GET /", others[i]), "Access-Control"));
+            check(*state, service, "GET /", others[i], 403);
+            check(*state, service, "OPTIONS /", others[i], 403);
+            assert_null(strstr(ask(*state, service, "GET /", others[i]), "Access-Control"));
         }
 }
 
@@ -71,13 +72,13 @@ static void an_allowed_page_may_read_every_answer(void **state)
     char header[64], expected[128];
     snprintf(header, sizeof header, "Origin: %s\r\n", allowed);
     snprintf(expected, sizeof expected, "Access-Control-Allow-Origin: %s\r\n", allowed);
-    for (lf_door door = LF_DOOR_BRIDGE; door < LF_DOORS; door++)
+    for (lf_service service = LF_SERVICE_BRIDGE; service < LF_SERVICES; service++)
         for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
-            const char *answer = ask(*state, door, lines[i], header);
+            const char *answer = ask(*state, service, lines[i], header);
             assert_non_null(strstr(answer, expected));
             assert_non_null(strstr(answer, "Vary: Origin\r\n"));
             assert_null(strstr(answer, "Access-Control-Allow-Credentials"));
-            assert_null(strstr(ask(*state, door, lines[i], ""), "Access-Control-Allow-Origin"));
+            assert_null(strstr(ask(*state, service, lines[i], ""), "Access-Control-Allow-Origin"));
         }
 }
 
@@ -85,7 +86,7 @@ static void an_allowed_page_may_read_every_answer(void **state)
 static void options_say_what_is_allowed(void **state)
 {
     const char *answer =
-        ask(*state, LF_DOOR_BRIDGE, "OPTIONS /",
+        ask(*state, LF_SERVICE_BRIDGE, "OPTIONS /",
             "Origin: https://allowed.test\r\nAccess-Control-Request-Method: PUT\r\n"
             "Access-Control-Request-Headers: content-type\r\n");
     assert_int_equal(lf_caller_status(answer), 204);
@@ -93,18 +94,18 @@ static void options_say_what_is_allowed(void **state)
     assert_non_null(strstr(answer, "Access-Control-Allow-Headers: Content-Type\r\n"));
 }
 
-/* The status that a door answers to a request in which @ stands for its port. */
-static int status_of(gateway *g, lf_door door, const char *text, int port)
+/* The status that a service answers to a request in which @ stands for its port. */
+static int status_of(gateway *g, lf_service service, const char *text, int port)
 {
     char request[512];
     size_t n = 0;
     for (; *text; text++)
         n += (size_t)(*text == '@' ? snprintf(request + n, sizeof request - n, "%d", port)
                                    : snprintf(request + n, sizeof request - n, "%c", *text));
-    return lf_caller_status(lf_caller_ask_door(g, door, request));
+    return lf_caller_status(lf_caller_ask_service(g, service, request));
 }
 
-static void a_door_has_the_names_of_its_port_alone(void **state)
+static void a_service_has_the_names_of_its_port_alone(void **state)
 {
     gateway *g = *state;
     static const struct {
@@ -120,13 +121,14 @@ static void a_door_has_the_names_of_its_port_alone(void **state)
                 {"GET http://localhost:@/ HTTP/1.1\r\nHost: localhost:@\r\n\r\n", 400},
                 {"GET /%00 HTTP/1.1\r\nHost: localhost:@\r\n\r\n", 400},
                 {"GET / HTTP/1.1\r\nHost: localhost:@\r\nContent-Length: 1\r\n\r\n", 413}};
-    for (lf_door door = LF_DOOR_BRIDGE; door < LF_DOORS; door++) {
+    for (lf_service service = LF_SERVICE_BRIDGE; service < LF_SERVICES; service++) {
         for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-            const int status = status_of(g, door, rows[i].text, lf_gateway_door_port(g, door));
+            const int status =
+                status_of(g, service, rows[i].text, lf_gateway_service_port(g, service));
             if (status != rows[i].status)
                 fail_msg("%s: %d, expected %d", rows[i].text, status, rows[i].status);
         }
-        assert_int_equal(status_of(g, door, rows[0].text, lf_gateway_port(g)), 421);
+        assert_int_equal(status_of(g, service, rows[0].text, lf_gateway_port(g)), 421);
     }
 }
 
@@ -187,16 +189,16 @@ static void all_ports_of_this_machine_are_one_word(void **state)
         assert_false(lf_origins_have(&origins, others[i]));
 }
 
-/* Once for each door, in words that say what to do. */
+/* Once for each service, in words that say what to do. */
 static void strangers_are_told_of_once(void **state)
 {
     (void)state;
     lf_strangers met = {0};
     lf_error err = {0};
     char name[32];
-    for (int door = 1; door < 3; door++)
+    for (int service = 1; service < 3; service++)
         for (int again = 0; again < 2; again++)
-            assert_int_equal(lf_strangers_meet(&met, door, "http://localhost:5174"), !again);
+            assert_int_equal(lf_strangers_meet(&met, service, "http://localhost:5174"), !again);
     assert_true(lf_strangers_meet(&met, 1, "http://localhost:5175"));
     for (int i = 3; i < LF_STRANGERS_MOST; i++) {
         snprintf(name, sizeof name, "http://a%d", i);
@@ -229,12 +231,12 @@ static void origins_are_bounded(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        lf_gateway_programs_test(each_door_says_that_it_is_there),
+        lf_gateway_programs_test(each_service_says_that_it_is_there),
         lf_gateway_programs_test(the_page_is_served_as_before),
         lf_gateway_programs_test(another_page_is_refused),
         lf_gateway_programs_test(an_allowed_page_may_read_every_answer),
         lf_gateway_programs_test(options_say_what_is_allowed),
-        lf_gateway_programs_test(a_door_has_the_names_of_its_port_alone),
+        lf_gateway_programs_test(a_service_has_the_names_of_its_port_alone),
         cmocka_unit_test(an_origin_is_a_name_and_a_port),
         cmocka_unit_test(all_ports_of_this_machine_are_one_word),
         cmocka_unit_test(strangers_are_told_of_once),
