@@ -38,6 +38,7 @@ readers_are_locked() {
 }
 # ProtectHome=yes
 says_home() {
+    mkdir -p /home/somebody && echo '{}' > /home/somebody/scene.json
     timeout 60 quiltctl scene.load file=/home/somebody/scene.json > home.log 2>&1
     grep -q 'cannot see home folders' home.log || cat home.log
 }
