@@ -69,12 +69,14 @@ async function openGateway(url) {
   return door;
 }
 
-function unopened(error) {
+function unopened(error, url) {
   if (error.status === 401)
     return new QuiltdError("the token is missing or wrong; take the URL that quiltweb printed last", { name: "WrongToken" });
   if (error.status === 421)
     return new QuiltdError("quiltweb refuses this host name; start it with --public https://NAME", { name: "NoDaemon" });
-  const why = error.code === "EPROTO" ? "the server does not speak TLS; use http:// for quiltweb itself" : error.message;
+  // quiltweb answers a TLS greeting in plain text and hangs up; which of the two is seen first is a race
+  const noTls = url?.protocol === "https:" && ["EPROTO", "ECONNRESET", "EPIPE"].includes(error.code);
+  const why = noTls ? "the server does not answer with TLS; use http:// for quiltweb itself" : error.message;
   return new QuiltdError(`no quiltd answers: ${why}`, { name: "NoDaemon" });
 }
 
@@ -95,7 +97,7 @@ export async function connect(where) {
     throw new QuiltdError(`connect: ${where} is no URL of quiltweb, such as http://127.0.0.1:8033/#TOKEN`, { name: "ParameterError" });
   const opened = url ? openGateway(url) : openAny(where ? [where] : sockets());
   const door = await opened.catch((error) => {
-    throw unopened(error);
+    throw unopened(error, url);
   });
   return Quiltd.over(door);
 }

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { execFile } from "node:child_process";
 import { readFile, readdir } from "node:fs/promises";
-import { connect as connectTcp } from "node:net";
+import { connect as connectTcp, createServer as createPlainServer } from "node:net";
 import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
 import { createServer } from "node:tls";
@@ -154,7 +154,12 @@ describe("the gateway alone", () => {
   it("is reached by ws: and, behind a server with TLS, by https: and wss:", async (test) => {
     const q = await connect(live.url.replace("http:", "ws:"));
     q.close();
-    await assert.rejects(connect(live.url.replace("http:", "https:")), { name: "NoDaemon", message: /does not speak TLS; use http:/ });
+    const noTls = { name: "NoDaemon", message: /does not answer with TLS; use http:/ };
+    await assert.rejects(connect(live.url.replace("http:", "https:")), noTls);
+    const silent = createPlainServer((socket) => socket.once("data", () => socket.end()));
+    await new Promise((resolve) => silent.listen(0, "127.0.0.1", resolve));
+    await assert.rejects(connect(`https://127.0.0.1:${silent.address().port}/#0`), noTls);
+    silent.close();
     const files = ["-keyout", join(live.folder, "key"), "-out", join(live.folder, "cert")];
     const command = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost", "-days", "2", ...files];
     const made = await promisify(execFile)("openssl", command).catch((error) => error);
