@@ -15,7 +15,7 @@
 #include "base/param.h"
 #include "base/parse.h"
 #include "base/version.h"
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 #include "quilt/rgbd.h"
 #include "render/render.h"
 

@@ -12,7 +12,7 @@
 
 #include <jansson.h>
 
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 #include "render/render.h"
 
 typedef struct lf_output_kind lf_output_kind; /* below */

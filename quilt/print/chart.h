@@ -12,7 +12,7 @@
 #ifndef LF_QUILT_CHART_H
 #define LF_QUILT_CHART_H
 
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 
 typedef struct lf_chart {
     int n_bands, decimals;

@@ -16,7 +16,7 @@
 #ifndef LF_QUILT_MARKS_H
 #define LF_QUILT_MARKS_H
 
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 
 #define LF_MARKS_MM 8.0
 

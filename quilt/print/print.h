@@ -13,6 +13,7 @@
 
 #include "quilt/axis.h"
 #include "quilt/photo.h"
+#include "quilt/prints.h"
 
 /* ------------------------------------------------------------------------------------ raster -- */
 

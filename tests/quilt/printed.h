@@ -5,7 +5,7 @@
 
 #include <jansson.h>
 
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 
 typedef struct lf_printed {
     int width, height, channels, bits;

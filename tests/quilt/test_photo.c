@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "base/alloc.h"
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 #include "tests/quilt/printed.h"
 
 /* ------------------------------------------------------------------------------------ prints -- */

@@ -3,7 +3,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "quilt/quilt.h"
+#include "quilt/prints.h"
 #include "tests/quilt/printed.h"
 
 typedef struct raster_case {

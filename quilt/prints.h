@@ -1,0 +1,164 @@
+/* Lenticular prints: views to the stripes behind a lens sheet, as files for printers, and pitch
+ * test charts.
+ *
+ * Functions are pure or work on their own object; thread safe on different objects. */
+#ifndef LF_QUILT_PRINTS_H
+#define LF_QUILT_PRINTS_H
+
+#include "quilt/quilt.h"
+
+/* Conventions: x to the right, y down, seen from the front through the lens sheet, origin in the
+ * middle of the print, millimetres. Lens k is centred on phase + k * 25.4/lpi. Its cell is divided
+ * into n_views stripes of equal width. From left to right they carry view n_views-1 ... view 0,
+ * because the focal spot moves left when the viewer moves right.
+ *
+ * With horizontal lenses the same holds along y: view 0 is the TOPMOST camera, and a cell holds
+ * view n_views-1 ... 0 from top to bottom.
+ *
+ * Pixel j of the raster covers [j - width/2, j + 1 - width/2] * 25.4/dpi. Positions follow only
+ * from the index and dpi, never from the rounded page. If the raster is not the same both ways, dpi
+ * here is the one across the lenses: dpi for vertical lenses, dpi_down for horizontal ones.
+ *
+ * Fractional stripes: a pixel mixes the stripes it overlaps, by exact area, in linear light after
+ * tone mapping. Nearest: a pixel takes the stripe that holds its centre. Stripes are half-open
+ * [left, right), so a centre on a border (within 1e-9 stripe) belongs to the stripe on its right
+ * (below it, for horizontal lenses). Both continue into the bleed, to the pixel. */
+
+typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
+typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
+
+/* Zeroed members after the line are a valid default. */
+typedef struct lf_print {
+    double lpi;                 /* measured visual pitch, lenses per inch: 5..600 */
+    double dpi;                 /* printer raster, dots per inch across the page: 50..9600 … */
+    double dpi_down;            /* … and down the page; 0: the same */
+    double width_mm, height_mm; /* trim size, without bleed: 1..5000 */
+    double bleed_mm;            /* on each side, rendered, stripes continue: 0..100 */
+    /* offset of the lens at the middle of the print, to the right (down): -100..100 */
+    double phase_mm;
+    /* stripes of a cell: 1..dpi/lpi, rounded to the nearest whole number */
+    int n_views;
+    bool horizontal; /* lenses run horizontally: views change along y */
+    bool reverse;    /* cells run from view 0 to view n_views-1 */
+    /* mirror the raster left to right, for printing on the back of the sheet */
+    bool mirror;
+    /* register and alignment marks in a margin of 8 mm on every side, outside the bleed */
+    bool marks;
+    lf_stripes stripes;
+    lf_compress compress;
+    int bits; /* 8 or 16 */
+    /* for a pitch test chart (lf_chart_write): lpi - range to lpi + range, one band per step */
+    double chart_range, chart_step;
+    /* NULL = sRGB; otherwise an RGB or CMYK display, output or colour space profile, at most 16
+     * MiB */
+    const char *icc_path;
+    /* ---- */
+    const lf_roots *icc_roots; /* folders allowed for icc_path; NULL = anywhere */
+    /* horizontal only: views come from a rolled rig, see lf_print_shape_of */
+    bool rolled;
+    /* For views of another size than the shape's (a quilt): width / height of a displayed view.
+     * They are placed on the raster as photo says, with white borders. A view without a border
+     * inside the trim size covers the whole raster. 0 = stretched over the raster. */
+    double view_aspect;
+    lf_photo photo;         /* its rotate, aspect and frame are not read */
+    double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches,
+                             * if known; above 1 gives a warning */
+} lf_print;
+
+/* The user's options of a print: names, ranges and defaults (base/param.h). */
+extern const lf_param lf_print_params[];
+
+/* Checks ranges, with one line per error (LF_E_ARG). Refuses more views than dpi/lpi (to the
+ * nearest whole). *out_warning (may be NULL): static text about ghosting above 0.8 dpi/lpi,
+ * otherwise NULL. Does not open the profile. */
+LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_warning,
+                                      lf_error *err);
+/* Sets n_views if it is 0: as many as a lens shows without ghosting, 0.8 dpi/lpi, at least 2, at
+ * most n_most (>= 1), the number available. LF_E_ARG, with where and pointer (may be NULL): more
+ * than n_most were requested. LF_E_ARG, with where: a lens has pixels for only one view. lpi must
+ * be set. */
+LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where,
+                                             const char *pointer, lf_error *err);
+
+/* The shape of the views to render for a print. Across the lenses there is one sample per lens
+ * (each lens whose stripes touch the raster, with bleed). Along them there is one sample per
+ * printer row. The window must be covered by those views. Samples are lens cells: the middle of
+ * sample c across is the centre of lens first_lens + c.
+ *
+ * Vertical lenses: across is x. The rig is the scene's: one mm is s = 2 D tan(fov_y / 2) /
+ * height_mm scene units. The views are rendered with fov_y' = 2 atan(s window_height_mm / (2 D))
+ * and aspect window_width_mm / window_height_mm. Target and position move together by s
+ * window_center_x_mm along the rig's right vector (at most half a lens; 0 if phase is 0).
+ *
+ * Horizontal lenses, rolled (for rendering): the cameras are in a column, so the rig is rolled by
+ * 90 degrees. Its up vector becomes the right vector forward x up of the unrolled rig. Its right
+ * vector, from view 0 to the last, then points DOWN. Shape and window are in the rolled camera's
+ * picture: view_width is the number of lenses, view_height the raster's width, and
+ * window_center_x_mm points down on the print. lf_print_write rotates the samples back; the caller
+ * need not transpose them.
+ *
+ * Horizontal lenses, not rolled (upright pictures): view_width is the raster's width, view_height
+ * the number of lenses. */
+typedef struct lf_print_shape {
+    /* pixels of the picture with bleed: round((size + 2 bleed) * dpi / 25.4), each way by its own
+     * dpi */
+    int raster_width, raster_height;
+    /* margin of white and marks around the picture in the TIFF, in pixels: left and right, above
+     * and below; 0 without marks */
+    int margin_px, margin_down_px; /* left and right; above and below */
+    int view_width, view_height;   /* samples of a view */
+    int n_lenses, n_along;         /* the same two numbers, across and along the lenses */
+    /* lens number of sample 0; lens 0 is centred on the middle (plus phase) */
+    int first_lens;
+    double window_width_mm, window_height_mm;
+    double window_center_x_mm,
+        /* middle of the window from the middle of the print, in the views' picture, right and
+         * down */
+        window_center_y_mm;
+} lf_print_shape;
+/* print must have passed lf_print_check. */
+void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
+
+/* Parameters of making a print, independent of its content. Zeroed is a valid default. */
+struct json_t;
+typedef struct lf_print_run {
+    double exposure;     /* stops */
+    const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
+    /* an object to include in the manifest; may be NULL */
+    const struct json_t *settings;
+    const lf_image_notes *notes; /* warnings for the manifest, one line each; may be NULL */
+    const lf_cancel *cancel;     /* checked once per strip; may be NULL */
+    void (*progress)(void *context, double fraction); /* rising, 0..1; may be NULL */
+    void *context;
+} lf_print_run;
+
+/* Notes how much lf_print_write cuts from these views, how wide their borders are, and a scale
+ * along the lenses over 2. print must have passed lf_print_check. */
+void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
+/* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
+ * cuts. print must have passed lf_print_check. */
+double lf_print_lenses(const lf_print *print);
+
+/* Interlaces and streams the TIFF to tiff->fd (seekable, empty), then writes the manifest JSON. The
+ * caller commits both, or abandons both on failure. Memory in addition to the views is a few MB;
+ * BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date). The
+ * manifest's sha256 is null if the TIFF's descriptor cannot be read back.
+ *
+ * Views of the shape's size are used unchanged. Others are resampled (by area to a smaller size,
+ * linearly to a larger one), which the manifest records. views->n_views may differ from
+ * print->n_views: stripe i then shows view floor((i + 1/2) * views->n_views / print->n_views).
+ * Samples that are not finite count as 0. LF_E_ARG, LF_E_IO (disk full), LF_E_PATH and LF_E_FORMAT
+ * (profile), LF_E_CANCELLED, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views,
+                                      const lf_print_run *run, lf_outfile *tiff,
+                                      lf_outfile *manifest, lf_error *err);
+
+/* Writes a pitch test chart (quilt/print/chart.h) of the print's size and its manifest, like
+ * lf_print_write. exposure and tonemap of run are not used. LF_E_ARG as for lf_print_check, and if
+ * a chart has no room for its bands; other errors of lf_print_write. */
+LF_NODISCARD lf_status lf_chart_write(const lf_print *print, const lf_print_run *run,
+                                      lf_outfile *tiff, lf_outfile *manifest, lf_error *err);
+/* The checks of lf_chart_write alone. */
+LF_NODISCARD lf_status lf_chart_check(const lf_print *print, lf_error *err);
+
+#endif
