@@ -27,6 +27,25 @@
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
 
+typedef enum lf_guard_kind { LF_GUARD_REPEAT, LF_GUARD_WHITE, LF_GUARD_BLACK } lf_guard_kind;
+enum { LF_COPIES_MOST = 100, LF_LABEL_MOST = 200 };
+
+/* The page around a print, and what is between the images of a flip. Zeroed is one print without
+ * anything. */
+typedef struct lf_print_sheet {
+    /* Copies of the print, for one lens sheet over all of them. Each is centred on a lens of it:
+     * the steps are whole lenses. 0: 1. */
+    int columns, rows;
+    double gutter_mm; /* least distance between the bleeds of two copies: 0..500 */
+    /* page on which the copies are centred; 0: as large as they, their labels and marks are */
+    double paper_width_mm, paper_height_mm;
+    const char *label; /* UTF-8 text below each copy, outside its bleed; NULL: none */
+    double label_mm;   /* height of a capital letter: 0.8..20; 0: 2.5 */
+    int guard;         /* stripes between two frames: 0..64 */
+    lf_guard_kind guard_kind;
+    int morph; /* frames blended between two images: 0..256 */
+} lf_print_sheet;
+
 /* Zeroed members after the line are a valid default. */
 typedef struct lf_print {
     double lpi;                 /* measured visual pitch, lenses per inch: 5..600 */
@@ -49,6 +68,7 @@ typedef struct lf_print {
     int bits; /* 8 or 16 */
     /* for a pitch test chart (lf_chart_write): lpi - range to lpi + range, one band per step */
     double chart_range, chart_step;
+    lf_print_sheet sheet;
     /* NULL = sRGB; otherwise an RGB or CMYK display, output or colour space profile, at most 16
      * MiB */
     const char *icc_path;
@@ -74,9 +94,10 @@ extern const lf_param lf_print_params[];
 LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_warning,
                                       lf_error *err);
 /* Sets n_views if it is 0: as many as a lens shows without ghosting, 0.8 dpi/lpi, at least 2, at
- * most n_most (>= 1), the number available. LF_E_ARG, with where and pointer (may be NULL): more
- * than n_most were requested. LF_E_ARG, with where: a lens has pixels for only one view. lpi must
- * be set. */
+ * most n_most (>= 1), the number available. Blended frames add to those; with guard stripes, all
+ * frames get the same number of stripes. LF_E_ARG, with where and pointer (may be NULL): more than
+ * n_most were requested. LF_E_ARG, with where: a lens has pixels for only one view, or too few for
+ * the guards. lpi must be set. */
 LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where,
                                              const char *pointer, lf_error *err);
 
@@ -111,6 +132,8 @@ typedef struct lf_print_shape {
     /* lens number of sample 0; lens 0 is centred on the middle (plus phase) */
     int first_lens;
     double window_width_mm, window_height_mm;
+    /* the print's middle from the middle of its pixels, across the lenses: for copies on a page */
+    double shift_mm;
     double window_center_x_mm,
         /* middle of the window from the middle of the print, in the views' picture, right and
          * down */
@@ -135,6 +158,10 @@ typedef struct lf_print_run {
 /* Notes how much lf_print_write cuts from these views, how wide their borders are, and a scale
  * along the lenses over 2. print must have passed lf_print_check. */
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
+/* Notes what the layout of the sheet and of a flip of n images means for the print shop: where the
+ * copies are, which stripes show which frames, and what may go wrong. print must have passed
+ * lf_print_check. */
+void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *notes);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);

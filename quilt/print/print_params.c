@@ -14,6 +14,10 @@ static const char *const compress[] = {[LF_COMPRESS_NONE] = "none",
                                        [LF_COMPRESS_DEFLATE] = "deflate",
                                        NULL};
 static const char *const orientations[] = {"vertical", "horizontal", NULL};
+static const char *const guards[] = {[LF_GUARD_REPEAT] = "repeat",
+                                     [LF_GUARD_WHITE] = "white",
+                                     [LF_GUARD_BLACK] = "black",
+                                     NULL};
 static const char *const bits[] = {"8", "16", NULL};
 
 /* clang-format off */
@@ -64,6 +68,37 @@ const lf_param lf_print_params[] = {
      .type = LF_PARAM_SWITCH, .help = "mirror the whole print, for the back of the sheet"},
     {.name = "marks", .option = "marks", PLACE(marks),
      .type = LF_PARAM_SWITCH, .help = "add register and alignment marks, 8 mm more on every side"},
+    {.name = "columns", .option = "copies", .joined = "x", .argument = "C", PLACE(sheet.columns),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_COPIES_MOST,
+     .help = "copies for one lens sheet: C columns and R rows (1x1)",
+     .about = "copies of the print side by side, for one lens sheet (1)"},
+    {.name = "rows", .option = "copies", .argument = "R", PLACE(sheet.rows),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = LF_COPIES_MOST,
+     .about = "copies of the print one below another (1)"},
+    {.name = "gutter", .option = "gutter", .argument = "MM", PLACE(sheet.gutter_mm),
+     .unit = "mm", .low = 0, .high = 500,
+     .help = "least distance between two copies, outside their bleed"},
+    {.name = "paper_width", .option = "paper", .joined = "x", .argument = "W",
+     PLACE(sheet.paper_width_mm), .unit = "mm", .low = 1, .high = 5500,
+     .help = "centre the prints on a page of this size (as large as they need)",
+     .about = "width of the page on which the prints are centred (as large as they need)"},
+    {.name = "paper_height", .option = "paper", .argument = "H", PLACE(sheet.paper_height_mm),
+     .unit = "mm", .low = 1, .high = 5500,
+     .about = "height of the page on which the prints are centred (as large as they need)"},
+    {.name = "label", .option = "label", .argument = "TEXT", PLACE(sheet.label),
+     .type = LF_PARAM_TEXT, .help = "text below each print, outside trim and bleed"},
+    {.name = "label_size", .option = "label-size", .argument = "MM", PLACE(sheet.label_mm),
+     .unit = "mm", .low = 0.8, .high = 20, .help = "height of the label's capital letters (2.5)"},
+    {.name = "guard", .option = "guard", .argument = "N", PLACE(sheet.guard),
+     .type = LF_PARAM_WHOLE, .low = 0, .high = 64,
+     .help = "stripes between two images of a flip, which keep them apart"},
+    {.name = "guard_kind", .option = "guard-kind", .argument = "NAME", PLACE(sheet.guard_kind),
+     .type = LF_PARAM_WORD, .words = guards,
+     .help = "what guard stripes show: the image next to them, or paper white or black",
+     .about = "what guard stripes show: the image next to them, or paper white or black"},
+    {.name = "morph", .option = "morph", .argument = "N", PLACE(sheet.morph),
+     .type = LF_PARAM_WHOLE, .low = 0, .high = 256,
+     .help = "frames that blend each image into the next one"},
     {0},
 };
 /* clang-format on */

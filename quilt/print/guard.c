@@ -1,0 +1,66 @@
+#include "quilt/print/guard.h"
+
+int lf_guard_frames(const lf_print *print, int n_images)
+{
+    return n_images + (n_images - 1) * print->sheet.morph;
+}
+
+/* The frame of stripe i of n, evenly chosen. */
+static int evenly(int i, int n, int n_frames)
+{
+    return (int)(((2 * (int64_t)i + 1) * n_frames) / (2 * (int64_t)n));
+}
+
+static lf_stripe_content frame_content(const lf_print *print, int n_images, int frame)
+{
+    const int step = print->sheet.morph + 1, image = frame / step;
+    return (lf_stripe_content){.image = image,
+                               .next = image + 1 < n_images ? image + 1 : image,
+                               .blend = (float)(frame % step) / (float)step};
+}
+
+/* Guard g of those behind a frame. */
+static lf_stripe_content guard_content(const lf_print *print, int n_images, int frame, int g)
+{
+    const int n_frames = lf_guard_frames(print, n_images);
+    if (print->sheet.guard_kind == LF_GUARD_REPEAT)
+        return frame_content(print, n_images,
+                             2 * g < print->sheet.guard ? frame : (frame + 1) % n_frames);
+    return (lf_stripe_content){.neutral = true,
+                               .light = print->sheet.guard_kind == LF_GUARD_WHITE ? 1.0F : 0.0F};
+}
+
+lf_stripe_content lf_guard_content(const lf_print *print, int n_images, int i)
+{
+    const int guard = print->sheet.guard, n_frames = lf_guard_frames(print, n_images);
+    const int n_shown = print->n_views - n_frames * guard;
+    if (guard == 0)
+        return frame_content(print, n_images, evenly(i, print->n_views, n_frames));
+    const int lead = guard / 2;
+    if (i < lead)
+        return guard_content(print, n_images, n_frames - 1, guard - lead + i);
+    int at = lead, shown = 0;
+    for (int frame = 0; frame < n_frames; frame++) {
+        int own = 0;
+        while (shown + own < n_shown && evenly(shown + own, n_shown, n_frames) == frame)
+            own++;
+        if (i < at + own)
+            return frame_content(print, n_images, frame);
+        if (i < at + own + guard)
+            return guard_content(print, n_images, frame, i - at - own);
+        at += own + guard;
+        shown += own;
+    }
+    return guard_content(print, n_images, n_frames - 1, 0);
+}
+
+lf_status lf_guard_check(const lf_print *print, int n_images, const char *where, lf_error *err)
+{
+    const int n_frames = lf_guard_frames(print, n_images), guard = print->sheet.guard;
+    if (guard == 0 || (int64_t)n_frames * (1 + guard) <= print->n_views)
+        return LF_OK;
+    return lf_error_set(err, LF_E_ARG, where,
+                        "%d frames with %d guard stripes each need %lld stripes per lens; it has "
+                        "%d; use fewer guards, frames or lenses per inch",
+                        n_frames, guard, (long long)n_frames * (1 + guard), print->n_views);
+}

@@ -1,0 +1,30 @@
+/* Private to quilt/print: which images the stripes of a lens show. A flip or an animation may have
+ * blended frames between its images, and guard stripes between its frames. Pure functions.
+ *
+ * Between two images, --morph M puts M frames, which mix the two in equal steps of linear light: n
+ * images are n + (n - 1) M frames. Each frame of f has the same number of the n_views - f G stripes
+ * that are not guards, to one. Behind each frame there are G guards, also behind the last one,
+ * because the next lens begins with the first frame: half of those, rounded down, are at the
+ * beginning of the lens. */
+#ifndef LF_QUILT_GUARD_H
+#define LF_QUILT_GUARD_H
+
+#include "quilt/prints.h"
+
+typedef struct lf_stripe_content {
+    bool neutral; /* a guard of one light, no image */
+    float light;  /* of a neutral one: 0 black, 1 white */
+    int image;
+    int next;     /* the image that is mixed in … */
+    float blend;  /* … and its share, 0 up to 1 */
+} lf_stripe_content;
+
+/* Frames that n images make. */
+int lf_guard_frames(const lf_print *print, int n_images);
+/* What stripe view i of 0..n_views-1 shows. print must have passed lf_guard_check. */
+lf_stripe_content lf_guard_content(const lf_print *print, int n_images, int i);
+/* LF_E_ARG: guards leave no stripe for some of the frames. */
+LF_NODISCARD lf_status lf_guard_check(const lf_print *print, int n_images, const char *where,
+                                      lf_error *err);
+
+#endif
