@@ -169,8 +169,8 @@ typedef struct lf_print_shape {
     /* lens number of sample 0; lens 0 is centred on the middle (plus phase) */
     int first_lens;
     double window_width_mm, window_height_mm;
-    /* the print's middle from the middle of its pixels, across the lenses: for copies on a page */
-    double shift_mm;
+    /* the print's middle from the middle of its pixels: for copies on a page; else 0 */
+    double shift_right_mm, shift_down_mm;
     double window_center_x_mm,
         /* middle of the window from the middle of the print, in the views' picture, right and
          * down */

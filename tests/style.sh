@@ -73,7 +73,7 @@ render: render/scene render/transport render/transport/path render/transport/lan
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/lens.h quilt/kernel
-quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/photo.h
+quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/font.h quilt/photo.h
 device:
 device/hid: device/device.h device/device_table.h
 device/find: device/device.h device/device_table.h device/hid

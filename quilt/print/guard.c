@@ -64,3 +64,22 @@ lf_status lf_guard_check(const lf_print *print, int n_images, const char *where,
                         "%d; use fewer guards, frames or lenses per inch",
                         n_frames, guard, (long long)n_frames * (1 + guard), print->n_views);
 }
+
+void lf_guard_note(const lf_print *print, int n_images, lf_image_notes *notes)
+{
+    const int n_frames = lf_guard_frames(print, n_images), guard = print->sheet.guard;
+    const int n_shown = print->n_views - n_frames * guard;
+    if (guard == 0 && print->sheet.morph == 0)
+        return;
+    if (n_frames > n_shown)
+        lf_image_note(notes, "%d of %d frames are shown, one per stripe; use fewer blended frames",
+                      n_shown, n_frames);
+    else if (n_shown % n_frames != 0)
+        lf_image_note(notes,
+                      "%d stripes do not divide evenly among %d frames; %d views give all frames "
+                      "the same width",
+                      n_shown, n_frames, n_frames * (guard + n_shown / n_frames));
+    if (!print->horizontal)
+        lf_image_note(notes, "vertical lenses show each eye another frame of a flip; "
+                             "--orientation horizontal shows both eyes the same");
+}

@@ -15,8 +15,8 @@ typedef struct lf_stripe_content {
     bool neutral; /* a guard of one light, no image */
     float light;  /* of a neutral one: 0 black, 1 white */
     int image;
-    int next;     /* the image that is mixed in … */
-    float blend;  /* … and its share, 0 up to 1 */
+    int next;    /* the image that is mixed in … */
+    float blend; /* … and its share, 0 up to 1 */
 } lf_stripe_content;
 
 /* Frames that n images make. */
@@ -26,5 +26,8 @@ lf_stripe_content lf_guard_content(const lf_print *print, int n_images, int i);
 /* LF_E_ARG: guards leave no stripe for some of the frames. */
 LF_NODISCARD lf_status lf_guard_check(const lf_print *print, int n_images, const char *where,
                                       lf_error *err);
+/* Notes what may surprise: frames that are not shown, frames of unlike width, lenses that show each
+ * eye another frame. */
+void lf_guard_note(const lf_print *print, int n_images, lf_image_notes *notes);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/print/guard.h"
 #include "quilt/print/marks.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
@@ -58,6 +59,17 @@ static lf_status check_optics(const lf_print *print, lf_error *err)
     return LF_OK;
 }
 
+/* The copies, labels and marks fit on their page. */
+static lf_status check_sheet(const lf_print *print, lf_error *err)
+{
+    lf_print_shape shape;
+    lf_sheet sheet;
+    lf_print_shape_of(print, &shape);
+    const lf_status status = lf_sheet_init(&sheet, print, &shape, err);
+    lf_sheet_finish(&sheet);
+    return status;
+}
+
 lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_error *err)
 {
     const lf_status status = lf_param_check(lf_print_params, print, "print", err);
@@ -71,17 +83,21 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
     const lf_status optics = check_optics(print, err);
-    return optics != LF_OK ? optics : check_views(print, out_warning, err);
+    if (optics != LF_OK)
+        return optics;
+    const lf_status sheet = check_sheet(print, err);
+    return sheet != LF_OK ? sheet : check_views(print, out_warning, err);
 }
 
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
                                 lf_error *err)
 {
-    if (print->n_views > n_most)
+    const int n_frames = lf_guard_frames(print, n_most), guard = print->sheet.guard;
+    if (print->n_views > n_frames && guard == 0)
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
-                               "%d views requested, but only %d exist", print->n_views, n_most);
+                               "%d views requested, but only %d exist", print->n_views, n_frames);
     if (print->n_views > 0)
-        return LF_OK;
+        return lf_guard_check(print, n_most, where, err);
     const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
     if (pixels_per_lens < 1.5 && n_most > 1)
         return lf_error_set(err, LF_E_ARG, where,
@@ -89,8 +105,15 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
                             "use a lower lpi or higher dpi",
                             print->lpi, pixels_per_lens, lf_print_dpi_across(print));
     const double clean = fmax(2, floor(VIEWS_A_PIXEL * pixels_per_lens + 1e-9));
-    print->n_views = (int)fmin(clean, n_most);
-    return LF_OK;
+    if (guard == 0) {
+        print->n_views = (int)fmin(clean, n_frames);
+        return LF_OK;
+    }
+    print->n_views = (int)fmax(n_frames * floor(clean / n_frames), 1.0);
+    const lf_status status = lf_guard_check(print, n_most, where, err);
+    if (status != LF_OK)
+        print->n_views = 0;
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------- shape -- */
@@ -145,13 +168,11 @@ typedef struct line_key {
     int view, lens;
 } line_key;
 
-/* State of writing a print. */
+/* State of drawing the pixels of one print, or of copies that lie on them in the same way. */
 typedef struct job {
     const lf_print *print;
     lf_print_shape shape;
     lf_print_source source;
-    lf_print_colour *colour;
-    lf_marks marks;
     lf_stripe_mix *mix; /* [pixels across the lenses] */
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
@@ -182,7 +203,6 @@ static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
 static void job_finish(job *j)
 {
     lf_print_source_finish(&j->source);
-    lf_print_colour_destroy(j->colour);
     lf_free(j->mix);
     lf_free(j->samples);
 }
@@ -243,32 +263,114 @@ static void horizontal_row(job *j, int y, float *row)
     }
 }
 
-static void draw_row(void *context, int y, float *row)
+/* ------------------------------------------------------------------------------------- page -- */
+
+/* State of writing a page of copies. */
+typedef struct page {
+    const lf_print *print;
+    lf_print_shape shape;
+    lf_sheet sheet;
+    lf_marks marks;
+    lf_print_colour *colour;
+    bool is_alone; /* one copy fills the page */
+    job *jobs;     /* [n_jobs]: copies with the same place on their pixels share one */
+    int n_jobs;
+} page;
+
+/* Straight lenses give a column (row) of copies one place on the pixels. */
+static job *job_of(const page *p, int copy)
 {
-    job *j = context;
-    const int margin = j->shape.margin_px;
-    if (margin > 0)
-        lf_marks_row(&j->marks, y, row);
-    y -= j->shape.margin_down_px;
-    row += (size_t)margin * 3;
-    if (y < 0 || y >= j->shape.raster_height)
-        return;
-    if (j->print->horizontal)
-        horizontal_row(j, y, row);
-    else
-        vertical_row(j, y, row);
+    const bool shared = p->n_jobs < p->sheet.n_rows * p->sheet.n_columns;
+    const int across = p->print->horizontal ? copy / p->sheet.n_columns : copy % p->sheet.n_columns;
+    return &p->jobs[shared ? across : copy];
 }
 
-static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
-                              lf_error *err)
+static lf_status make_jobs(page *p, const lf_views32 *views, const lf_tone *tone)
+{
+    const lf_sheet *sheet = &p->sheet;
+    const lf_optics *o = &p->print->optics;
+    const bool is_straight = o->slant == 0.0 && o->grid == LF_LENS_LINEAR;
+    const int n_copies = sheet->n_rows * sheet->n_columns;
+    p->n_jobs = !is_straight ? n_copies : p->print->horizontal ? sheet->n_rows : sheet->n_columns;
+    p->jobs = lf_calloc((size_t)p->n_jobs, sizeof *p->jobs);
+    lf_status status = p->jobs ? LF_OK : LF_E_NOMEM;
+    for (int i = 0; i < n_copies && status == LF_OK; i++) {
+        job *j = job_of(p, i);
+        if (j->print)
+            continue;
+        j->print = p->print;
+        j->shape = p->shape;
+        j->shape.shift_right_mm = sheet->copies[i].shift_right_mm;
+        j->shape.shift_down_mm = sheet->copies[i].shift_down_mm;
+        status = job_init(j, views, tone);
+    }
+    return status;
+}
+
+static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone, lf_error *err)
+{
+    lf_print_shape_of(p->print, &p->shape);
+    lf_status status = lf_sheet_init(&p->sheet, p->print, &p->shape, err);
+    if (status == LF_OK)
+        status = lf_print_colour_create(p->print, &p->colour, err);
+    if (status != LF_OK)
+        return status;
+    p->is_alone =
+        p->sheet.width == p->shape.raster_width && p->sheet.height == p->shape.raster_height;
+    status = lf_marks_init(&p->marks, p->print, &p->sheet);
+    if (status == LF_OK)
+        status = make_jobs(p, views, tone);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
+}
+
+static void page_finish(page *p)
+{
+    for (int i = 0; i < p->n_jobs && p->jobs; i++)
+        job_finish(&p->jobs[i]);
+    lf_free(p->jobs);
+    lf_marks_finish(&p->marks);
+    lf_print_colour_destroy(p->colour);
+    lf_sheet_finish(&p->sheet);
+}
+
+/* Draws row y of a row of copies. Copies of one job have the same pixels. */
+static void draw_copies(page *p, int first, int y, float *row)
+{
+    for (int i = first; i < first + p->sheet.n_columns; i++) {
+        job *j = job_of(p, i);
+        float *out = row + (size_t)p->sheet.copies[i].left * 3;
+        if (i > first && j == job_of(p, first))
+            memcpy(out, row + (size_t)p->sheet.copies[first].left * 3,
+                   (size_t)p->shape.raster_width * 3 * sizeof *out);
+        else if (p->print->horizontal)
+            horizontal_row(j, y, out);
+        else
+            vertical_row(j, y, out);
+    }
+}
+
+static void draw_row(void *context, int y, float *row)
+{
+    page *p = context;
+    if (!p->is_alone)
+        lf_marks_row(&p->marks, y, row);
+    for (int r = 0; r < p->sheet.n_rows; r++) {
+        const int first = r * p->sheet.n_columns, at = y - p->sheet.copies[first].top;
+        if (at >= 0 && at < p->shape.raster_height)
+            draw_copies(p, first, at, row);
+    }
+}
+
+static lf_status write_raster(page *p, const lf_print_run *run, int rows_per_strip,
+                              lf_outfile *tiff, lf_error *err)
 {
     char description[160], dpi[48];
-    const lf_print_page page = {j->print,    j->marks.width, j->marks.height,
-                                description, draw_row,       j};
+    const lf_print_page file = {p->print,    p->sheet.width, p->sheet.height,
+                                description, draw_row,       p};
     snprintf(description, sizeof description,
              "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
-             j->print->n_views, j->print->lpi, lf_print_dpi_text(j->print, dpi, sizeof dpi));
-    return lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+             p->print->n_views, p->print->lpi, lf_print_dpi_text(p->print, dpi, sizeof dpi));
+    return lf_print_page_write(&file, p->colour, run, rows_per_strip, tiff, err);
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
@@ -277,30 +379,26 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                 const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
                                 lf_outfile *manifest, lf_error *err)
 {
-    job j = {.print = print};
+    page p = {.print = print};
     lf_tone *tone = NULL;
-    lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
+    lf_print_facts facts = {.print = print, .shape = &p.shape, .sheet = &p.sheet, .run = run};
     lf_status status = lf_print_check(print, &facts.warning, err);
     if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
         status = lf_error_set(err, LF_E_ARG, "print", "no views");
     if (status == LF_OK)
+        status = lf_guard_check(print, views->n_views, "print", err);
+    if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    lf_print_shape_of(print, &j.shape);
-    j.marks = lf_marks_of(print, &j.shape);
-    status = lf_print_colour_create(print, &j.colour, err);
-    if (status == LF_OK) {
-        status = job_init(&j, views, tone);
-        if (status != LF_OK)
-            lf_error_set(err, status, "print", "out of memory");
-    }
+    status = page_init(&p, views, tone, err);
     if (status == LF_OK)
-        status = write_raster(&j, run, rows_per_strip, tiff, err);
-    facts.colour = j.colour;
+        status = write_raster(&p, run, rows_per_strip, tiff, err);
+    facts.colour = p.colour;
+    facts.source = p.jobs ? &p.jobs[0].source : NULL;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
-    job_finish(&j);
+    page_finish(&p);
     lf_tone_destroy(tone);
     return status;
 }

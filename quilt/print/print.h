@@ -54,9 +54,9 @@ void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pi
 
 /* The source of display light for the interlacer. */
 typedef struct lf_print_source {
+    const lf_print *print;
     const lf_views32 *views;
     const lf_tone *tone;
-    int n_stripe_views; /* the print's number of views */
     bool resampled;     /* views do not have the print's shape; `place` positions them, in mm */
     lf_photo_place place;
     /* floats from sample to sample of a view, across the lenses and along them */
@@ -66,13 +66,11 @@ typedef struct lf_print_source {
     float *line; /* scratch: one line of a view */
 } lf_print_source;
 
-/* Borrows views and tone. LF_E_NOMEM. */
+/* Borrows print, views and tone. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
                                             const lf_print_shape *shape, const lf_views32 *views,
                                             const lf_tone *tone);
 void lf_print_source_finish(lf_print_source *source);
-/* The view of the source for stripe view i. */
-int lf_print_source_view(const lf_print_source *source, int i);
 /* Linear display light of stripe view i. across: at printer row (column) `along`, all lenses
  * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
@@ -131,7 +129,8 @@ LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_p
 typedef struct lf_print_facts {
     const lf_print *print;
     const lf_print_shape *shape;
-    const lf_print_source *source; /* for a picture; NULL for a chart */
+    const struct lf_sheet *sheet;  /* for a picture; NULL for a chart */
+    const lf_print_source *source; /* the same */
     const lf_print_colour *colour;
     const lf_print_run *run;
     const char *warning; /* may be NULL */

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/print/guard.h"
 #include "quilt/print/print.h"
 
 /* Aspects closer than this are equal: file names round them. */
@@ -101,7 +102,7 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
     memset(source, 0, sizeof *source);
     source->views = views;
     source->tone = tone;
-    source->n_stripe_views = print->n_views;
+    source->print = print;
     source->resampled = views->width != shape->view_width || views->height != shape->view_height;
     set_axes(source, print);
     const size_t longest = (size_t)(views->width > views->height ? views->width : views->height);
@@ -167,12 +168,6 @@ void lf_print_source_finish(lf_print_source *source)
     memset(source, 0, sizeof *source);
 }
 
-int lf_print_source_view(const lf_print_source *source, int i)
-{
-    return (int)(((2 * (int64_t)i + 1) * source->views->n_views) /
-                 (2 * (int64_t)source->n_stripe_views));
-}
-
 static float finite_or_zero(float v)
 {
     return isfinite(v) ? v : 0.0F;
@@ -199,19 +194,40 @@ static void add_codes(const uint8_t *in, const float *light, const line_place *p
             line[3 * s + c] += weight * light[in[(size_t)s * place->step + (size_t)c]];
 }
 
-/* Gathers one line of a view; each sample is the weighted sum of taps. */
-static void gather_line(const lf_views32 *views, int view, const line_place *place,
-                        const lf_axis_filter *filter, int i, float *line)
+/* Adds a share of one line of a view; each sample is the weighted sum of taps. */
+static void add_view(const lf_views32 *views, int view, float share, const line_place *place,
+                     const lf_axis_filter *filter, int i, float *line)
 {
     const float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
-    memset(line, 0, (size_t)place->n * 3 * sizeof *line);
     for (int t = 0; t < filter->n_taps[i]; t++) {
         size_t at = (size_t)(filter->first[i] + t) * place->tap_step;
         if (views->codes)
-            add_codes(lf_views32_codes(views, view, 0) + at, views->light, place, weight[t], line);
+            add_codes(lf_views32_codes(views, view, 0) + at, views->light, place, share * weight[t],
+                      line);
         else
-            add_floats(lf_views32_row(views, view, 0) + at, place, weight[t], line);
+            add_floats(lf_views32_row(views, view, 0) + at, place, share * weight[t], line);
     }
+}
+
+/* Gathers one line of what a stripe shows, along both axes. False: it is of one light. */
+static bool gather_line(const lf_print_source *source, int stripe, const line_place *place,
+                        const lf_axis_filter *filter, int i, const lf_axis_filter *other,
+                        float *out)
+{
+    const lf_stripe_content content =
+        lf_guard_content(source->print, source->views->n_views, stripe);
+    if (content.neutral) {
+        for (int s = 0; s < 3 * other->n_out; s++)
+            out[s] = content.light;
+        return false;
+    }
+    memset(source->line, 0, (size_t)place->n * 3 * sizeof *source->line);
+    add_view(source->views, content.image, 1.0F - content.blend, place, filter, i, source->line);
+    if (content.blend > 0.0F)
+        add_view(source->views, content.next, content.blend, place, filter, i, source->line);
+    lf_axis_filter_line(other, source->line, out);
+    lf_tone_linear(source->tone, (size_t)other->n_out, out, out);
+    return true;
 }
 
 /* Adds paper white outside the picture. */
@@ -230,19 +246,13 @@ static void add_border(const lf_print_source *source, const lf_axis_filter *filt
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out)
 {
     const line_place place = {source->across_step, source->along_step, source->n_across_in};
-    gather_line(source->views, lf_print_source_view(source, i), &place, &source->along, along,
-                source->line);
-    lf_axis_filter_line(&source->across, source->line, out);
-    lf_tone_linear(source->tone, (size_t)source->across.n_out, out, out);
-    add_border(source, &source->across, source->along.inside[along], out);
+    if (gather_line(source, i, &place, &source->along, along, &source->across, out))
+        add_border(source, &source->across, source->along.inside[along], out);
 }
 
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out)
 {
     const line_place place = {source->along_step, source->across_step, source->n_along_in};
-    gather_line(source->views, lf_print_source_view(source, i), &place, &source->across, lens,
-                source->line);
-    lf_axis_filter_line(&source->along, source->line, out);
-    lf_tone_linear(source->tone, (size_t)source->along.n_out, out, out);
-    add_border(source, &source->along, source->across.inside[lens], out);
+    if (gather_line(source, i, &place, &source->across, lens, &source->along, out))
+        add_border(source, &source->along, source->across.inside[lens], out);
 }
