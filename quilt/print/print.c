@@ -145,7 +145,8 @@ typedef struct line_key {
     int view, lens;
 } line_key;
 
-/* State of writing a print. */
+/* State of writing a print. Strips that are made at the same time have a copy each, with lines and
+ * samples of its own. */
 typedef struct job {
     const lf_print *print;
     lf_print_shape shape;
@@ -159,24 +160,30 @@ typedef struct job {
     line_key held[3]; /* horizontal: the contents of the three lines of samples */
 } job;
 
+/* The lines that a job caches. */
+static lf_status make_samples(job *j)
+{
+    const size_t lines = j->print->horizontal ? 3 : (size_t)j->print->n_views;
+    const size_t line = (size_t)(j->print->horizontal ? j->shape.n_along : j->shape.n_lenses);
+    j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
+    for (int line_index = 0; line_index < 3; line_index++)
+        j->held[line_index] = (line_key){-1, -1};
+    return j->samples ? LF_OK : LF_E_NOMEM;
+}
+
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
 {
     const lf_print *print = j->print;
     const int across = print->horizontal ? j->shape.raster_height : j->shape.raster_width;
-    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
-    const size_t line = (size_t)(print->horizontal ? j->shape.n_along : j->shape.n_lenses);
     lf_status status = lf_print_source_init(&j->source, print, &j->shape, views, tone);
     if (status != LF_OK)
         return status;
     j->mix = lf_calloc((size_t)across, sizeof *j->mix);
-    j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
-    if (!j->mix || !j->samples)
+    if (!j->mix)
         return LF_E_NOMEM;
     for (int pixel = 0; pixel < across; pixel++)
         lf_stripe_mix_at(print, &j->shape, pixel, &j->mix[pixel]);
-    for (int line_index = 0; line_index < 3; line_index++)
-        j->held[line_index] = (line_key){-1, -1};
-    return LF_OK;
+    return make_samples(j);
 }
 
 static void job_finish(job *j)
@@ -185,6 +192,21 @@ static void job_finish(job *j)
     lf_print_colour_destroy(j->colour);
     lf_free(j->mix);
     lf_free(j->samples);
+}
+
+/* A copy of a job for one hand. */
+static lf_status hand_init(job *hand, const job *j)
+{
+    *hand = *j;
+    const lf_status status = lf_print_source_share(&hand->source);
+    const lf_status made = make_samples(hand);
+    return status == LF_OK ? made : status;
+}
+
+static void hand_finish(job *hand)
+{
+    lf_free(hand->source.line);
+    lf_free(hand->samples);
 }
 
 /* Adds weighted pixels: out[i] = sum over slots of weight * in. */
@@ -263,12 +285,26 @@ static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_stri
                               lf_error *err)
 {
     char description[160], dpi[48];
-    const lf_print_page page = {j->print,    j->marks.width, j->marks.height,
-                                description, draw_row,       j};
+    job hands[LF_PRINT_MAX_HANDS];
+    void *contexts[LF_PRINT_MAX_HANDS];
+    lf_status status = LF_OK;
+    lf_print_page page = {
+        j->print, j->marks.width, j->marks.height, description, draw_row, j, contexts, 0};
     snprintf(description, sizeof description,
              "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
              j->print->n_views, j->print->lpi, lf_print_dpi_text(j->print, dpi, sizeof dpi));
-    return lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+    while (page.n_hands < lf_print_hands(run) && status == LF_OK) {
+        job *hand = &hands[page.n_hands];
+        status = hand_init(hand, j);
+        contexts[page.n_hands++] = hand;
+    }
+    if (status == LF_OK)
+        status = lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+    else
+        lf_error_set(err, status, "print", "out of memory");
+    for (int i = 0; i < page.n_hands; i++)
+        hand_finish(&hands[i]);
+    return status;
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
