@@ -179,9 +179,13 @@ typedef struct lf_print_shape {
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
+typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
+
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
 struct json_t;
 typedef struct lf_print_run {
+    lf_print_format format;
+    lf_pool *pool; /* makes strips at the same time, with the same bytes; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */

@@ -1,4 +1,4 @@
-/* Lenticular prints: their views, and the TIFF with its manifest. */
+/* Lenticular prints: their views, and the TIFF or PDF with its manifest. */
 #include <math.h>
 #include <string.h>
 
@@ -70,7 +70,10 @@ char *output_print_file(const char *path, int i)
 
 lf_print_run output_print_run(const lf_output_request *request)
 {
-    return (lf_print_run){.settings = request->settings,
+    return (lf_print_run){.format = lf_path_has_ending(request->path, ".pdf") ? LF_PRINT_PDF
+                                                                             : LF_PRINT_TIFF,
+                          .pool = request->pool,
+                          .settings = request->settings,
                           .cancel = request->cancel,
                           .progress = request->progress,
                           .context = request->context};
@@ -113,7 +116,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
 }
 
-const char *const output_print_endings[] = {".tif", ".tiff", NULL};
+const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};
 
 const lf_output_kind lf_output_print = {.name = "print",
                                         .what = "a print",

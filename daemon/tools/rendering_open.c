@@ -407,7 +407,7 @@ static lf_status check_manifest(const lf_output_kind *kind, const char *print, c
         if (!json_object_get(there, "quiltd_print"))
             status = lf_error_set(
                 err, LF_E_ARG, path,
-                "exists and is not a print manifest; choose another name for the TIFF file");
+                "exists and is not a print manifest; choose another name for the print");
         json_decref(there);
     }
     lf_free(path);

@@ -168,42 +168,75 @@ typedef struct line_key {
     int view, lens;
 } line_key;
 
-/* State of drawing the pixels of one print, or of copies that lie on them in the same way. */
+/* State of drawing rows of copies. Strips that are made at the same time have a job each, with
+ * lines and samples of its own. */
 typedef struct job {
-    const lf_print *print;
-    lf_print_shape shape;
+    const struct page *page;
     lf_print_source source;
-    lf_stripe_mix *mix; /* [pixels across the lenses] */
+    lf_marks marks;
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
     line_key held[3]; /* horizontal: the contents of the three lines of samples */
 } job;
 
-static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
+/* What all jobs share. */
+typedef struct page {
+    const lf_print *print;
+    lf_print_shape shape;
+    lf_sheet sheet;
+    lf_print_source source;
+    lf_print_colour *colour;
+    bool is_alone;      /* one copy fills the page */
+    lf_stripe_mix *mix; /* [n_mixes][n_across]: copies with one place on their pixels share one */
+    int n_mixes, n_across; /* pixels of a copy across the lenses */
+    job jobs[LF_PRINT_MAX_HANDS];
+    int n_jobs;
+} page;
+
+/* Straight lenses give a column (row) of copies one place on the pixels. */
+static const lf_stripe_mix *mix_of(const page *p, int copy)
 {
-    const lf_print *print = j->print;
-    const int across = print->horizontal ? j->shape.raster_height : j->shape.raster_width;
-    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
-    const size_t line = (size_t)(print->horizontal ? j->shape.n_along : j->shape.n_lenses);
-    lf_status status = lf_print_source_init(&j->source, print, &j->shape, views, tone);
-    if (status != LF_OK)
-        return status;
-    j->mix = lf_calloc((size_t)across, sizeof *j->mix);
+    const int n_columns = p->sheet.n_columns;
+    const int i = p->print->horizontal ? copy / n_columns : copy % n_columns;
+    return p->mix + (size_t)i * (size_t)p->n_across;
+}
+
+static lf_status make_mixes(page *p)
+{
+    const bool horizontal = p->print->horizontal;
+    p->n_mixes = horizontal ? p->sheet.n_rows : p->sheet.n_columns;
+    p->n_across = horizontal ? p->shape.raster_height : p->shape.raster_width;
+    p->mix = lf_calloc((size_t)p->n_mixes * (size_t)p->n_across, sizeof *p->mix);
+    for (int i = 0; p->mix && i < p->n_mixes; i++) {
+        const lf_copy *copy = &p->sheet.copies[horizontal ? i * p->sheet.n_columns : i];
+        lf_print_shape shape = p->shape;
+        shape.shift_right_mm = copy->shift_right_mm;
+        shape.shift_down_mm = copy->shift_down_mm;
+        for (int pixel = 0; pixel < p->n_across; pixel++)
+            lf_stripe_mix_at(p->print, &shape, pixel,
+                             p->mix + (size_t)i * (size_t)p->n_across + pixel);
+    }
+    return p->mix ? LF_OK : LF_E_NOMEM;
+}
+
+static lf_status job_init(job *j, const page *p)
+{
+    const size_t lines = p->print->horizontal ? 3 : (size_t)p->print->n_views;
+    const size_t line = (size_t)(p->print->horizontal ? p->shape.n_along : p->shape.n_lenses);
+    *j = (job){.page = p, .source = p->source};
+    const lf_status shared = lf_print_source_share(&j->source);
+    const lf_status marks = lf_marks_init(&j->marks, p->print, &p->sheet);
     j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
-    if (!j->mix || !j->samples)
-        return LF_E_NOMEM;
-    for (int pixel = 0; pixel < across; pixel++)
-        lf_stripe_mix_at(print, &j->shape, pixel, &j->mix[pixel]);
     for (int line_index = 0; line_index < 3; line_index++)
         j->held[line_index] = (line_key){-1, -1};
-    return LF_OK;
+    return shared != LF_OK ? shared : marks != LF_OK ? marks : j->samples ? LF_OK : LF_E_NOMEM;
 }
 
 static void job_finish(job *j)
 {
-    lf_print_source_finish(&j->source);
-    lf_free(j->mix);
+    lf_free(j->source.line);
+    lf_marks_finish(&j->marks);
     lf_free(j->samples);
 }
 
@@ -214,13 +247,19 @@ static inline void mix_pixel(const lf_stripe_mix *mix, const float *const in[3],
         out[c] = mix->weight[0] * in[0][c] + mix->weight[1] * in[1][c] + mix->weight[2] * in[2][c];
 }
 
-static void vertical_row(job *j, int y, float *row)
+/* The samples of row y of a copy, for vertical_row. */
+static void gather_row(job *j, int y)
 {
-    const size_t n_lenses = (size_t)j->shape.n_lenses;
-    for (int view = 0; view < j->print->n_views; view++)
+    const size_t n_lenses = (size_t)j->page->shape.n_lenses;
+    for (int view = 0; view < j->page->print->n_views; view++)
         lf_print_source_across(&j->source, view, y, j->samples + (size_t)view * n_lenses * 3);
-    for (int x = 0; x < j->shape.raster_width; x++) {
-        const lf_stripe_mix *mix = &j->mix[x];
+}
+
+static void vertical_row(const job *j, const lf_stripe_mix *mixes, float *row)
+{
+    const size_t n_lenses = (size_t)j->page->shape.n_lenses;
+    for (int x = 0; x < j->page->shape.raster_width; x++) {
+        const lf_stripe_mix *mix = &mixes[x];
         const float *in[3];
         for (int slot = 0; slot < 3; slot++)
             in[slot] =
@@ -233,7 +272,7 @@ static void vertical_row(job *j, int y, float *row)
  * is never replaced, since it needs at most three and there are three. */
 static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
 {
-    const size_t line_size = (size_t)j->shape.n_along * 3;
+    const size_t line_size = (size_t)j->page->shape.n_along * 3;
     int free_line = 0;
     for (int line = 0; line < 3; line++) {
         bool needed = false;
@@ -251,63 +290,55 @@ static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
     return out;
 }
 
-static void horizontal_row(job *j, int y, float *row)
+static void horizontal_row(job *j, const lf_stripe_mix *mix, float *row)
 {
-    const lf_stripe_mix *mix = &j->mix[y];
     const float *line[3];
     for (int slot = 0; slot < 3; slot++)
         line[slot] = stripe_line(j, mix, slot);
-    for (size_t x = 0; x < (size_t)j->shape.raster_width; x++) {
+    for (size_t x = 0; x < (size_t)j->page->shape.raster_width; x++) {
         const float *in[3] = {line[0] + 3 * x, line[1] + 3 * x, line[2] + 3 * x};
         mix_pixel(mix, in, row + 3 * x);
     }
 }
 
+/* Draws row y of the copies from the first of their row on. Horizontal lenses are the same in all
+ * of them. */
+static void draw_copies(job *j, int first, int y, float *row)
+{
+    const page *p = j->page;
+    const size_t size = (size_t)p->shape.raster_width * 3;
+    const lf_copy *copies = p->sheet.copies;
+    float *start = row + (size_t)copies[first].left * 3;
+    if (p->print->horizontal)
+        horizontal_row(j, mix_of(p, first) + y, start);
+    else
+        gather_row(j, y);
+    for (int i = first; i < first + p->sheet.n_columns; i++) {
+        float *out = row + (size_t)copies[i].left * 3;
+        if (!p->print->horizontal)
+            vertical_row(j, mix_of(p, i), out);
+        else if (i > first)
+            memcpy(out, start, size * sizeof *out);
+    }
+}
+
+static void draw_row(void *context, int y, float *row)
+{
+    job *j = context;
+    const page *p = j->page;
+    if (!p->is_alone)
+        lf_marks_row(&j->marks, y, row);
+    for (int r = 0; r < p->sheet.n_rows; r++) {
+        const int first = r * p->sheet.n_columns, at = y - p->sheet.copies[first].top;
+        if (at >= 0 && at < p->shape.raster_height)
+            draw_copies(j, first, at, row);
+    }
+}
+
 /* ------------------------------------------------------------------------------------- page -- */
 
-/* State of writing a page of copies. */
-typedef struct page {
-    const lf_print *print;
-    lf_print_shape shape;
-    lf_sheet sheet;
-    lf_marks marks;
-    lf_print_colour *colour;
-    bool is_alone; /* one copy fills the page */
-    job *jobs;     /* [n_jobs]: copies with the same place on their pixels share one */
-    int n_jobs;
-} page;
-
-/* Straight lenses give a column (row) of copies one place on the pixels. */
-static job *job_of(const page *p, int copy)
-{
-    const bool shared = p->n_jobs < p->sheet.n_rows * p->sheet.n_columns;
-    const int across = p->print->horizontal ? copy / p->sheet.n_columns : copy % p->sheet.n_columns;
-    return &p->jobs[shared ? across : copy];
-}
-
-static lf_status make_jobs(page *p, const lf_views32 *views, const lf_tone *tone)
-{
-    const lf_sheet *sheet = &p->sheet;
-    const lf_optics *o = &p->print->optics;
-    const bool is_straight = o->slant == 0.0 && o->grid == LF_LENS_LINEAR;
-    const int n_copies = sheet->n_rows * sheet->n_columns;
-    p->n_jobs = !is_straight ? n_copies : p->print->horizontal ? sheet->n_rows : sheet->n_columns;
-    p->jobs = lf_calloc((size_t)p->n_jobs, sizeof *p->jobs);
-    lf_status status = p->jobs ? LF_OK : LF_E_NOMEM;
-    for (int i = 0; i < n_copies && status == LF_OK; i++) {
-        job *j = job_of(p, i);
-        if (j->print)
-            continue;
-        j->print = p->print;
-        j->shape = p->shape;
-        j->shape.shift_right_mm = sheet->copies[i].shift_right_mm;
-        j->shape.shift_down_mm = sheet->copies[i].shift_down_mm;
-        status = job_init(j, views, tone);
-    }
-    return status;
-}
-
-static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone, lf_error *err)
+static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone, int n_jobs,
+                           lf_error *err)
 {
     lf_print_shape_of(p->print, &p->shape);
     lf_status status = lf_sheet_init(&p->sheet, p->print, &p->shape, err);
@@ -317,56 +348,33 @@ static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone
         return status;
     p->is_alone =
         p->sheet.width == p->shape.raster_width && p->sheet.height == p->shape.raster_height;
-    status = lf_marks_init(&p->marks, p->print, &p->sheet);
+    status = lf_print_source_init(&p->source, p->print, &p->shape, views, tone);
     if (status == LF_OK)
-        status = make_jobs(p, views, tone);
+        status = make_mixes(p);
+    while (p->n_jobs < n_jobs && status == LF_OK)
+        status = job_init(&p->jobs[p->n_jobs++], p);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
 }
 
 static void page_finish(page *p)
 {
-    for (int i = 0; i < p->n_jobs && p->jobs; i++)
+    for (int i = 0; i < p->n_jobs; i++)
         job_finish(&p->jobs[i]);
-    lf_free(p->jobs);
-    lf_marks_finish(&p->marks);
+    lf_print_source_finish(&p->source);
     lf_print_colour_destroy(p->colour);
+    lf_free(p->mix);
     lf_sheet_finish(&p->sheet);
-}
-
-/* Draws row y of a row of copies. Copies of one job have the same pixels. */
-static void draw_copies(page *p, int first, int y, float *row)
-{
-    for (int i = first; i < first + p->sheet.n_columns; i++) {
-        job *j = job_of(p, i);
-        float *out = row + (size_t)p->sheet.copies[i].left * 3;
-        if (i > first && j == job_of(p, first))
-            memcpy(out, row + (size_t)p->sheet.copies[first].left * 3,
-                   (size_t)p->shape.raster_width * 3 * sizeof *out);
-        else if (p->print->horizontal)
-            horizontal_row(j, y, out);
-        else
-            vertical_row(j, y, out);
-    }
-}
-
-static void draw_row(void *context, int y, float *row)
-{
-    page *p = context;
-    if (!p->is_alone)
-        lf_marks_row(&p->marks, y, row);
-    for (int r = 0; r < p->sheet.n_rows; r++) {
-        const int first = r * p->sheet.n_columns, at = y - p->sheet.copies[first].top;
-        if (at >= 0 && at < p->shape.raster_height)
-            draw_copies(p, first, at, row);
-    }
 }
 
 static lf_status write_raster(page *p, const lf_print_run *run, int rows_per_strip,
                               lf_outfile *tiff, lf_error *err)
 {
     char description[160], dpi[48];
-    const lf_print_page file = {p->print,    p->sheet.width, p->sheet.height,
-                                description, draw_row,       p};
+    void *contexts[LF_PRINT_MAX_HANDS];
+    for (int i = 0; i < p->n_jobs; i++)
+        contexts[i] = &p->jobs[i];
+    const lf_print_page file = {p->print, p->sheet.width, p->sheet.height, description,
+                                draw_row, &p->jobs[0],    contexts,        p->n_jobs};
     snprintf(description, sizeof description,
              "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
              p->print->n_views, p->print->lpi, lf_print_dpi_text(p->print, dpi, sizeof dpi));
@@ -381,7 +389,8 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
 {
     page p = {.print = print};
     lf_tone *tone = NULL;
-    lf_print_facts facts = {.print = print, .shape = &p.shape, .sheet = &p.sheet, .run = run};
+    lf_print_facts facts = {
+        .print = print, .shape = &p.shape, .sheet = &p.sheet, .source = &p.source, .run = run};
     lf_status status = lf_print_check(print, &facts.warning, err);
     if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
         status = lf_error_set(err, LF_E_ARG, "print", "no views");
@@ -391,11 +400,10 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    status = page_init(&p, views, tone, err);
+    status = page_init(&p, views, tone, lf_print_hands(run), err);
     if (status == LF_OK)
         status = write_raster(&p, run, rows_per_strip, tiff, err);
     facts.colour = p.colour;
-    facts.source = p.jobs ? &p.jobs[0].source : NULL;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
     page_finish(&p);
