@@ -185,7 +185,7 @@ typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
 struct json_t;
 typedef struct lf_print_run {
     lf_print_format format;
-    lf_pool *pool; /* makes strips at the same time, with the same bytes; may be NULL */
+    lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */
@@ -199,10 +199,12 @@ typedef struct lf_print_run {
 /* Notes how much lf_print_write cuts from these views, how wide their borders are, and a scale
  * along the lenses over 2. print must have passed lf_print_check. */
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
-/* Notes what the layout of the sheet and of a flip of n images means for the print shop: where the
- * copies are, which stripes show which frames, and what may go wrong. print must have passed
- * lf_print_check. */
+/* Notes what may surprise in the layout of the sheet and of a flip of n images. print must have
+ * passed lf_print_check. */
 void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *notes);
+/* One line about the copies of a sheet and about the stripes of a flip of n images, in buf; "" for
+ * a print without. Images count from 0; "-" is a guard of one light. Returns buf. */
+char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_t size);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);

@@ -1,5 +1,8 @@
 #include "quilt/print/guard.h"
 
+#include <stdio.h>
+#include <string.h>
+
 int lf_guard_frames(const lf_print *print, int n_images)
 {
     return n_images + (n_images - 1) * print->sheet.morph;
@@ -82,4 +85,22 @@ void lf_guard_note(const lf_print *print, int n_images, lf_image_notes *notes)
     if (!print->horizontal)
         lf_image_note(notes, "vertical lenses show each eye another frame of a flip; "
                              "--orientation horizontal shows both eyes the same");
+}
+
+char *lf_guard_text(const lf_print *print, int n_images, char *buf, size_t size)
+{
+    buf[0] = '\0';
+    if (print->sheet.guard == 0 && print->sheet.morph == 0)
+        return buf;
+    for (int i = 0; i < print->n_views; i++) {
+        const lf_stripe_content content = lf_guard_content(print, n_images, i);
+        const size_t n = strlen(buf);
+        char word[32];
+        snprintf(word, sizeof word, content.neutral ? "-" : "%.3g",
+                 content.image + (double)content.blend);
+        if (n + strlen(word) + sizeof " ..." > size)
+            return strcat(buf, " ...");
+        snprintf(buf + n, size - n, "%s%s", i > 0 ? " " : "", word);
+    }
+    return buf;
 }

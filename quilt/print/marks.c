@@ -158,25 +158,39 @@ static void draw_sheet_marks(const lf_marks *marks, double down)
     }
 }
 
-/* Lines on the trim edges of a copy, outside its bleed. */
-static void draw_crop_marks(const lf_marks *marks, const lf_copy *copy, double down)
+/* Where crop marks outside a bleed end: at a neighbour's bleed they keep their distance from it. */
+static double crop_end(bool has_neighbour, double step, double bleed)
+{
+    return has_neighbour ? fmin(CROP_TO, step - 2.0 * bleed - CROP_FROM) : CROP_TO;
+}
+
+/* Lines on the trim edges of copy i, outside its bleed. */
+static void draw_crop_marks(const lf_marks *marks, int i, double down)
 {
     const lf_print *print = marks->print;
+    const lf_sheet *sheet = marks->sheet;
+    const lf_copy *copy = &sheet->copies[i];
+    const int column = i % sheet->n_columns, row = i / sheet->n_columns;
     const double trim_right = 0.5 * print->width_mm, trim_down = 0.5 * print->height_mm;
-    const double bleed_right = trim_right + print->bleed_mm;
+    const double bleed_right = trim_right + print->bleed_mm,
+                 bleed_down = trim_down + print->bleed_mm;
     const double from_middle = fabs(down - copy->down_mm);
-    const bool is_beyond = within(from_middle - (trim_down + print->bleed_mm), CROP_FROM, CROP_TO);
+    const bool neighbour = down < copy->down_mm ? row > 0 : row + 1 < sheet->n_rows;
+    const bool is_beyond = within(from_middle - bleed_down, CROP_FROM,
+                                  crop_end(neighbour, sheet->step_down_mm, bleed_down));
     const double level = on_line(marks->down, from_middle, trim_down, LINE_MM);
     if (!is_beyond && !(level > 0.0))
         return;
-    const int last = pixel_at(marks, copy->right_mm + bleed_right + CROP_TO) + 1;
-    for (int x = pixel_at(marks, copy->right_mm - bleed_right - CROP_TO); x <= last; x++) {
-        if (x < 0 || x >= marks->sheet->width)
-            continue;
-        const double beside = fabs(right_of(marks, x) - copy->right_mm);
+    const double to_left = crop_end(column > 0, sheet->step_right_mm, bleed_right);
+    const double to_right =
+        crop_end(column + 1 < sheet->n_columns, sheet->step_right_mm, bleed_right);
+    const int first = pixel_at(marks, copy->right_mm - bleed_right - CROP_TO),
+              last = pixel_at(marks, copy->right_mm + bleed_right + CROP_TO) + 1;
+    for (int x = first < 0 ? 0 : first; x <= last && x < sheet->width; x++) {
+        const double at = right_of(marks, x) - copy->right_mm;
         if (is_beyond)
-            add_ink(marks, x, on_line(marks->right, beside, trim_right, LINE_MM));
-        if (within(beside - bleed_right, CROP_FROM, CROP_TO))
+            add_ink(marks, x, on_line(marks->right, fabs(at), trim_right, LINE_MM));
+        if (within(fabs(at) - bleed_right, CROP_FROM, at < 0.0 ? to_left : to_right))
             add_ink(marks, x, level);
     }
 }
@@ -204,7 +218,7 @@ void lf_marks_row(lf_marks *marks, int y, float *row)
         draw_sheet_marks(marks, down);
     for (int i = 0; i < sheet->n_rows * sheet->n_columns; i++) {
         if (marks->print->marks)
-            draw_crop_marks(marks, &sheet->copies[i], down);
+            draw_crop_marks(marks, i, down);
         if (sheet->label_mm > 0.0)
             draw_label(marks, &sheet->copies[i], down);
     }

@@ -13,7 +13,7 @@
  *   wide with a ring of radius 1.5.
  *
  * Marks of a copy: at every corner, 1 to 6 outside its bleed, lines on the trim edges. They are
- * never on a picture.
+ * never on a picture, and end 1 before the bleed of the next copy.
  *
  * Lines are 0.2 wide. A label is below the bleed of its copy, between its trim edges. */
 #ifndef LF_QUILT_MARKS_H

@@ -373,8 +373,15 @@ static lf_status write_raster(page *p, const lf_print_run *run, int rows_per_str
     void *contexts[LF_PRINT_MAX_HANDS];
     for (int i = 0; i < p->n_jobs; i++)
         contexts[i] = &p->jobs[i];
-    const lf_print_page file = {p->print, p->sheet.width, p->sheet.height, description,
-                                draw_row, &p->jobs[0],    contexts,        p->n_jobs};
+    const lf_print_page file = {.print = p->print,
+                                .width = p->sheet.width,
+                                .height = p->sheet.height,
+                                .description = description,
+                                .draw = draw_row,
+                                .context = contexts[0],
+                                .hands = contexts,
+                                .n_hands = p->n_jobs,
+                                .sheet = &p->sheet};
     snprintf(description, sizeof description,
              "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
              p->print->n_views, p->print->lpi, lf_print_dpi_text(p->print, dpi, sizeof dpi));

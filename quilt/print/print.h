@@ -114,6 +114,7 @@ typedef struct lf_print_page {
      * alone, whose rows all come in order. */
     void *const *hands;
     int n_hands;
+    const struct lf_sheet *sheet; /* the copies; NULL: one in the middle */
 } lf_print_page;
 
 /* How many hands a page can use in this run: 1..LF_PRINT_MAX_HANDS. */

@@ -1,6 +1,7 @@
 #include "quilt/print/sheet.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -262,4 +263,20 @@ void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *no
     note_pitch(&sheet, print, notes);
     note_label(&sheet, print, notes);
     lf_sheet_finish(&sheet);
+}
+
+char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_t size)
+{
+    lf_print_shape shape;
+    lf_sheet sheet;
+    char stripes[128], copies[96] = "";
+    lf_print_shape_of(print, &shape);
+    lf_guard_text(print, n_images, stripes, sizeof stripes);
+    if (lf_sheet_init(&sheet, print, &shape, NULL) == LF_OK && sheet.n_columns * sheet.n_rows > 1)
+        snprintf(copies, sizeof copies, "%dx%d copies, %.2f mm apart across and %.2f mm down",
+                 sheet.n_columns, sheet.n_rows, sheet.step_right_mm, sheet.step_down_mm);
+    lf_sheet_finish(&sheet);
+    snprintf(buf, size, "%s%s%s%s", copies, copies[0] && stripes[0] ? "; " : "",
+             stripes[0] ? "images under a lens: " : "", stripes);
+    return buf;
 }
