@@ -104,9 +104,12 @@ static lf_status add(listing *list, const char *folder, const char *file, bool i
         return LF_OK;
     if (list->n == list->room) {
         const int room = list->room > 0 ? 2 * list->room : 32;
-        lf_profile_entry *more = lf_realloc(list->entries, (size_t)room * sizeof *more);
+        lf_profile_entry *more = lf_calloc((size_t)room, sizeof *more);
         if (!more)
             return lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+        if (list->n > 0)
+            memcpy(more, list->entries, (size_t)list->n * sizeof *more);
+        lf_free(list->entries);
         list->entries = more;
         list->room = room;
     }
