@@ -84,7 +84,8 @@ LF_NODISCARD lf_status lf_profile_lens_read(const char *name, const lf_roots *ro
 LF_NODISCARD lf_status lf_profile_printer_read(const char *name, const lf_roots *roots,
                                                lf_printer_profile *out, lf_error *err);
 
-/* -------------------------------------------------------------------------------- for a print -- */
+/* -------------------------------------------------------------------------------- for a print --
+ */
 
 /* The user's names of profiles. */
 typedef struct lf_profile_names {
@@ -109,8 +110,7 @@ typedef struct lf_profiles {
     lf_lens_profile lens;
     lf_printer_profile printer;
 } lf_profiles;
-/* Reads those that are named. *out owns nothing. LF_E_ARG also if the names lack what the user did
- * not give: a lens, or a printer. where_lens and where_printer name the options in errors. */
+/* Reads those that are named. *out owns nothing. Errors of the readers. */
 LF_NODISCARD lf_status lf_profiles_read(const lf_profile_names *names, const lf_roots *roots,
                                         lf_profiles *out, lf_error *err);
 
@@ -149,7 +149,8 @@ double lf_profile_thickness(double lpi, double angle, double index);
 /* And the angle in degrees, at most 180. */
 double lf_profile_angle(double lpi, double thickness_mm, double index);
 
-/* ------------------------------------------------------------------------------ files by name -- */
+/* ------------------------------------------------------------------------------ files by name --
+ */
 
 typedef struct lf_profile_entry {
     char name[LF_PROFILE_NAME];
@@ -175,8 +176,8 @@ LF_NODISCARD lf_status lf_profile_find(lf_profile_kind kind, const char *name,
 
 /* Reads the JSON of a file, without checks of its keys. A new reference. LF_E_FORMAT with the line.
  */
-LF_NODISCARD lf_status lf_profile_json(const char *path, const lf_roots *roots,
-                                       struct json_t **out, lf_error *err);
+LF_NODISCARD lf_status lf_profile_json(const char *path, const lf_roots *roots, struct json_t **out,
+                                       lf_error *err);
 /* Checks the JSON of a profile, as the readers do; where names it in errors. */
 LF_NODISCARD lf_status lf_profile_check(lf_profile_kind kind, const struct json_t *values,
                                         const char *where, lf_error *err);

@@ -39,15 +39,22 @@ static void put(char out[static PATH_MAX], const char *folder, const char *below
         out[0] = '\0';
 }
 
-lf_status lf_profile_own_folder(lf_profile_kind kind, char out[static PATH_MAX], lf_error *err)
+/* The user's folder; empty if no home is known. */
+static void own_folder(lf_profile_kind kind, char out[static PATH_MAX])
 {
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
     char below[64];
-    const bool has_config = config && config[0] == '/'; /* others are invalid by its specification */
+    const bool has_config =
+        config && config[0] == '/'; /* others are invalid by its specification */
     snprintf(below, sizeof below, "%s/quiltd/%s", has_config ? "" : "/.config", subfolders[kind]);
     out[0] = '\0';
     if (has_config || (home && home[0] == '/'))
         put(out, has_config ? config : home, below);
+}
+
+lf_status lf_profile_own_folder(lf_profile_kind kind, char out[static PATH_MAX], lf_error *err)
+{
+    own_folder(kind, out);
     return out[0] != '\0' ? LF_OK
                           : lf_error_set(err, LF_E_STATE, "HOME",
                                          "is not set, so there is no folder for profiles; give one "
@@ -69,8 +76,7 @@ static void list_folders(lf_profile_kind kind, char folders[FOLDERS][PATH_MAX])
 {
     const char *shipped = getenv("QUILTD_PROFILES");
     char program[PATH_MAX], below[64];
-    lf_error none;
-    (void)lf_profile_own_folder(kind, folders[0], &none);
+    own_folder(kind, folders[0]);
     snprintf(folders[1], PATH_MAX, "/etc/quiltd/%s", subfolders[kind]);
     folders[2][0] = folders[3][0] = '\0';
     snprintf(below, sizeof below, "/%s", subfolders[kind]);
@@ -85,7 +91,8 @@ static void list_folders(lf_profile_kind kind, char folders[FOLDERS][PATH_MAX])
     put(folders[3], program, below);
 }
 
-/* --------------------------------------------------------------------------------------- list -- */
+/* --------------------------------------------------------------------------------------- list --
+ */
 
 typedef struct listing {
     lf_profile_entry *entries;
@@ -168,7 +175,8 @@ lf_status lf_profile_list(lf_profile_kind kind, lf_profile_entry **out, int *out
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------------- find -- */
+/* --------------------------------------------------------------------------------------- find --
+ */
 
 static lf_status unknown(lf_profile_kind kind, const char *name, lf_error *err)
 {
@@ -182,11 +190,11 @@ static lf_status unknown(lf_profile_kind kind, const char *name, lf_error *err)
         names[i] = entries[i].name;
     names[n] = NULL;
     meant = lf_nearest_name(name, names);
-    status = meant ? lf_error_set(err, LF_E_ARG, name, "there is no such %s; did you mean %s?",
-                                  lf_profile_kind_name(kind), meant)
-                   : lf_error_set(err, LF_E_ARG, name,
-                                  "there is no such %s; quiltprint list shows all",
-                                  lf_profile_kind_name(kind));
+    status =
+        meant ? lf_error_set(err, LF_E_ARG, name, "there is no such %s; did you mean %s?",
+                             lf_profile_kind_name(kind), meant)
+              : lf_error_set(err, LF_E_ARG, name, "there is no such %s; quiltprint list shows all",
+                             lf_profile_kind_name(kind));
     lf_free(entries);
     return status;
 }

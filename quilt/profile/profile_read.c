@@ -180,7 +180,8 @@ static lf_status take_calibrations(const part *p, const json_t *list, lf_profile
     return LF_OK;
 }
 
-/* ----------------------------------------------------------------------------------- profiles -- */
+/* ----------------------------------------------------------------------------------- profiles --
+ */
 
 static lf_status take_native(const part *p, const json_t *list, lf_printer_profile *out)
 {
@@ -249,9 +250,8 @@ static lf_status take_profile(lf_profile_kind kind, const json_t *values, const 
     words->lens.has_horizontal = json_object_get(values, "orientation");
     if (status == LF_OK && kind == LF_PROFILE_LENS)
         return take_calibrations(&p, json_object_get(values, "calibrations"), words);
-    return status == LF_OK
-               ? take_native(&p, json_object_get(values, "native_dpi"), &words->printer)
-               : status;
+    return status == LF_OK ? take_native(&p, json_object_get(values, "native_dpi"), &words->printer)
+                           : status;
 }
 
 static lf_status take_titles(const lf_profile_words *words, const char *where, char *title,
@@ -294,7 +294,8 @@ static lf_status fill(lf_profile_kind kind, const json_t *values, const char *wh
     return status == LF_OK ? take_icc(words, where, words->printer.icc, err) : status;
 }
 
-/* -------------------------------------------------------------------------------------- files -- */
+/* -------------------------------------------------------------------------------------- files --
+ */
 
 /* The name of a file without folder and ending. */
 static void name_of(const char *path, char out[static LF_PROFILE_NAME])
