@@ -109,7 +109,8 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
         print->n_views = (int)fmin(clean, n_frames);
         return LF_OK;
     }
-    print->n_views = (int)fmax(n_frames * floor(clean / n_frames), 1.0);
+    const double evenly = n_frames * floor(clean / n_frames);
+    print->n_views = (int)(evenly >= n_frames * (1.0 + guard) ? evenly : clean);
     const lf_status status = lf_guard_check(print, n_most, where, err);
     if (status != LF_OK)
         print->n_views = 0;
