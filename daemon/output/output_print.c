@@ -68,10 +68,14 @@ char *output_print_file(const char *path, int i)
     return i == 0 ? lf_strdup(path) : manifest_path(path);
 }
 
+lf_print_format lf_output_print_format(const char *path)
+{
+    return lf_path_has_ending(path, ".pdf") ? LF_PRINT_PDF : LF_PRINT_TIFF;
+}
+
 lf_print_run output_print_run(const lf_output_request *request)
 {
-    return (lf_print_run){.format = lf_path_has_ending(request->path, ".pdf") ? LF_PRINT_PDF
-                                                                             : LF_PRINT_TIFF,
+    return (lf_print_run){.format = lf_output_print_format(request->path),
                           .pool = request->pool,
                           .settings = request->settings,
                           .cancel = request->cancel,

@@ -216,8 +216,10 @@ typedef struct lf_print_sink {
 
 extern const lf_print_sink lf_print_tiff_sink, lf_print_pdf_sink;
 
-/* The least number of bytes that the file will have: a tenth of the raster if it is compressed. */
-double lf_print_least_bytes(const lf_print *print, lf_print_format format, double raster_bytes);
+/* LF_E_IO: the disk of an open file has no room for a raster of so many bytes (print_room.c). */
+LF_NODISCARD lf_status lf_print_room_for(const lf_print *print, lf_print_format format,
+                                         double raster_bytes, const lf_outfile *file,
+                                         lf_error *err);
 
 /* -------------------------------------------------------------------------------------- tiff -- */
 
