@@ -77,8 +77,7 @@ typedef struct lf_stripe_mix {
 void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
                       lf_stripe_mix *out);
 
-/* ------------------------------------------------------------------------------------ leaning --
- */
+/* ----------------------------------------------------------------------------------- leaning -- */
 
 /* How a linear coordinate is distributed over a pixel: a trapezoid, the convolution of two boxes
  * with these half widths, wide >= narrow >= 0, wide > 0. */
