@@ -42,19 +42,11 @@ static inline double lf_print_pitch_mm(const lf_print *print)
 double lf_print_cos(const lf_print *print);
 double lf_print_sin(const lf_print *print);
 
-static inline bool lf_print_is_micro(const lf_print *print)
-{
-    return print->optics.grid != LF_LENS_LINEAR;
-}
-
 /* True if all rows (columns) have the same stripes. */
 static inline bool lf_print_is_separable(const lf_print *print)
 {
     return print->optics.slant == 0.0 && !lf_print_is_micro(print) && !lf_print_is_exact(print);
 }
-
-/* Columns and rows of views under a micro lens. */
-int lf_print_view_rows(const lf_print *print);
 
 /* Printer pixels of a lens, along a row for vertical lenses and along a column for horizontal
  * ones. */
