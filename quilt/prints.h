@@ -136,6 +136,14 @@ static inline bool lf_print_is_exact(const lf_print *print)
     return o->map != LF_MAP_UNIFORM && o->thickness_mm > 0.0 && o->distance_mm > 0.0;
 }
 
+static inline bool lf_print_is_micro(const lf_print *print)
+{
+    return print->optics.grid != LF_LENS_LINEAR;
+}
+
+/* Rows of views under a lens; 1 for linear sheets. n_views must be set. */
+int lf_print_view_rows(const lf_print *print);
+
 /* The user's options of a print: names, ranges and defaults (base/param.h). */
 extern const lf_param lf_print_params[];
 

@@ -24,8 +24,9 @@ struct lf_micro {
     lf_lens across, down;
     int columns, rows;
     bool is_hexagonal;
-    double row_pitch;   /* distance of rows of lenses, in pitches */
-    double cell_height; /* of the rectangle that views divide, in pitches */
+    double row_pitch;    /* distance of rows of lenses, in pitches */
+    double cosine, sine; /* of the slant */
+    double cell_height;  /* of the rectangle that views divide, in pitches */
 };
 
 typedef struct point {
@@ -55,6 +56,8 @@ lf_status lf_micro_create(const lf_print *print, const lf_print_shape *shape,
     m->source = source;
     m->across = lf_lens_of_print(print);
     m->down = lf_lens_of_print_rows(print);
+    m->cosine = lf_print_cos(print);
+    m->sine = lf_print_sin(print);
     m->rows = lf_print_view_rows(print);
     m->columns = print->n_views / m->rows;
     m->is_hexagonal = print->optics.grid == LF_LENS_HEXAGONAL;
@@ -103,6 +106,12 @@ static lens_place nearest_lens(const lf_micro *m, point at)
     return distance2(&above, at) < distance2(&below, at) ? above : below;
 }
 
+/* From the axes of the sheet to those of the print, which cameras have. */
+static point upright(const lf_micro *m, point at)
+{
+    return (point){at.u * m->cosine - at.v * m->sine, at.u * m->sine + at.v * m->cosine};
+}
+
 /* ----------------------------------------------------------------------------------- samples -- */
 
 static int clamped(double index, int n)
@@ -123,16 +132,13 @@ static float between(double at, int n, int *low, int *high)
 static void add_sample(const lf_micro *m, const lens_place *lens, int view, float weight,
                        float out[3])
 {
-    const double pitch = lf_print_pitch_mm(m->print), cosine = lf_print_cos(m->print),
-                 sine = lf_print_sin(m->print);
-    const double u = m->print->phase_mm + pitch * lens->middle.u,
-                 v = m->print->optics.phase_down_mm + pitch * lens->middle.v;
+    const double pitch = lf_print_pitch_mm(m->print);
+    const point at = upright(m, (point){m->print->phase_mm + pitch * lens->middle.u,
+                                        m->print->optics.phase_down_mm + pitch * lens->middle.v});
     int column[2], row[2];
-    const float right = between((u * cosine - v * sine - m->shape->first_across_mm) /
-                                    m->shape->step_across_mm,
+    const float right = between((at.u - m->shape->first_across_mm) / m->shape->step_across_mm,
                                 m->shape->n_lenses, &column[0], &column[1]),
-                below = between((u * sine + v * cosine - m->shape->first_along_mm) /
-                                    m->shape->step_along_mm,
+                below = between((at.v - m->shape->first_along_mm) / m->shape->step_along_mm,
                                 m->shape->n_along, &row[0], &row[1]);
     for (int corner = 0; corner < 4; corner++) {
         const bool at_right = corner & 1, at_below = corner & 2;
@@ -213,7 +219,8 @@ static void cut_to_cell(const lf_micro *m, polygon *p)
         cut(p, side & 1 ? 0.5 : -0.5, side & 2 ? m->row_pitch : -m->row_pitch, 0.5);
 }
 
-/* Adds the views under one lens; p: the part of a pixel in the lens's cell, from its middle. */
+/* Adds the views under one lens; p: the part of a pixel in the lens's cell, from its middle, in
+ * the axes of the print. */
 static void add_views(const lf_micro *m, const lens_place *lens, const polygon *p, double pixel,
                       float *out)
 {
@@ -251,6 +258,8 @@ static void add_lens(const lf_micro *m, const lens_place *lens, const polygon *p
         p.corner[i].v -= lens->middle.v;
     }
     cut_to_cell(m, &p);
+    for (int i = 0; i < p.n; i++)
+        p.corner[i] = upright(m, p.corner[i]);
     if (p.n > 2 && area(&p) > NO_AREA * pixel_area)
         add_views(m, lens, &p, pixel_area, out);
 }

@@ -115,15 +115,19 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     return optics != LF_OK ? optics : check_views(print, out_warning, err);
 }
 
-/* A micro sheet shows all views that there are. */
+/* A micro sheet shows all views that there are, if they are fewer than it could. */
 static lf_status choose_micro_views(lf_print *print, int n_most, const char *where, lf_error *err)
 {
-    const int rows =
-        print->optics.view_rows > 0 ? print->optics.view_rows : (int)lround(sqrt((double)n_most));
-    if (n_most % rows != 0 || (print->optics.view_rows == 0 && rows * rows != n_most))
+    const int clean = (int)fmax(2, floor(VIEWS_A_PIXEL * lf_print_pixels_per_lens(print) + 1e-9));
+    const int asked = print->optics.view_rows;
+    const double could = (asked > 0 ? asked : clean) * (double)clean;
+    const int rows = asked > 0 ? asked : (int)lround(sqrt((double)n_most));
+    if (could > n_most && n_most != rows * (asked > 0 ? n_most / rows : rows))
         return lf_error_set(err, LF_E_ARG, where,
-                            "%d views do not fill rows of views evenly; give --view-rows", n_most);
-    print->n_views = n_most;
+                            "%d views do not fill rows of views; give the number of rows with "
+                            "view rows",
+                            n_most);
+    print->n_views = could > n_most ? n_most : (int)could;
     return LF_OK;
 }
 

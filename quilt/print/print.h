@@ -43,19 +43,11 @@ static inline double lf_print_pitch_mm(const lf_print *print)
 double lf_print_cos(const lf_print *print);
 double lf_print_sin(const lf_print *print);
 
-static inline bool lf_print_is_micro(const lf_print *print)
-{
-    return print->optics.grid != LF_LENS_LINEAR;
-}
-
 /* True if all rows (columns) have the same stripes. */
 static inline bool lf_print_is_separable(const lf_print *print)
 {
     return print->optics.slant == 0.0 && !lf_print_is_micro(print) && !lf_print_is_exact(print);
 }
-
-/* Columns and rows of views under a micro lens. */
-int lf_print_view_rows(const lf_print *print);
 
 /* Printer pixels of a lens, along a row for vertical lenses and along a column for horizontal
  * ones. */
@@ -78,8 +70,7 @@ typedef struct lf_stripe_mix {
 void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
                       lf_stripe_mix *out);
 
-/* ------------------------------------------------------------------------------------ leaning --
- */
+/* ----------------------------------------------------------------------------------- leaning -- */
 
 /* How a linear coordinate is distributed over a pixel: a trapezoid, the convolution of two boxes
  * with these half widths, wide >= narrow >= 0, wide > 0. */
