@@ -21,6 +21,8 @@
 
 /* Open files in addition to the files of an output. */
 #define OTHER_FILES 64
+/* Cameras of a grid for a micro lens sheet. */
+#define MOST_GRID_VIEWS 4096
 
 /* Checked early, so that an hour of rendering does not end at a missing folder. */
 static lf_status check_folder_of(const char *path, lf_error *err)
@@ -64,7 +66,8 @@ lf_status lf_rendering_open_made_print(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, sheet->guard > 0 ? "--guard" : "--morph",
                             "is for flips of finished images, such as a folder of photos; not for "
                             "views of a scene");
-    return lf_rendering_open_print(r, LF_MAX_VIEWS, err);
+    const bool is_micro = lf_print_is_micro(&r->arguments->print);
+    return lf_rendering_open_print(r, is_micro ? MOST_GRID_VIEWS : LF_MAX_VIEWS, err);
 }
 
 /* The new layout of a finished light field: a folder has tiles and aspect only from options and
@@ -262,6 +265,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
             lf_output_print_view(&r->print, &r->settings);
         if (status == LF_OK && is_alone(r))
             narrow_cone(r);
+        if (status == LF_OK)
+            lf_output_print_rig(&r->print, &r->settings.camera);
         r->print.rolled = r->print.horizontal;
     }
     return status;
@@ -424,6 +429,8 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
+    if (status == LF_OK && a->kind->check_print && !a->plan)
+        status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
 

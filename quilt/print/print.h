@@ -34,6 +34,25 @@ static inline double lf_print_dpi_along(const lf_print *print)
     return print->horizontal ? print->dpi : lf_print_dpi_down(print);
 }
 
+static inline double lf_print_pitch_mm(const lf_print *print)
+{
+    return 25.4 / print->lpi;
+}
+
+/* Cosine and sine of the slant; exactly 1 and 0 without one. */
+double lf_print_cos(const lf_print *print);
+double lf_print_sin(const lf_print *print);
+
+/* True if all rows (columns) have the same stripes. */
+static inline bool lf_print_is_separable(const lf_print *print)
+{
+    return print->optics.slant == 0.0 && !lf_print_is_micro(print) && !lf_print_is_exact(print);
+}
+
+/* Printer pixels of a lens, along a row for vertical lenses and along a column for horizontal
+ * ones. */
+double lf_print_pixels_per_lens(const lf_print *print);
+
 /* "600", "720x1440", as options have it; returns buf. */
 char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size);
 
@@ -50,6 +69,19 @@ typedef struct lf_stripe_mix {
 /* pixel: index across the lenses (x for vertical ones, y for horizontal), before mirroring. */
 void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
                       lf_stripe_mix *out);
+
+/* ----------------------------------------------------------------------------------- leaning -- */
+
+/* How a linear coordinate is distributed over a pixel: a trapezoid, the convolution of two boxes
+ * with these half widths, wide >= narrow >= 0, wide > 0. */
+typedef struct lf_pixel_spread {
+    double wide, narrow;
+} lf_pixel_spread;
+
+/* From the change of the coordinate over the pixel's width and over its height. */
+lf_pixel_spread lf_pixel_spread_of(double change_right, double change_down);
+/* The fraction of the pixel's area whose coordinate is below that of its middle + t; exact. */
+double lf_pixel_share(const lf_pixel_spread *spread, double t);
 
 /* ------------------------------------------------------------------------------------- views -- */
 
@@ -80,6 +112,8 @@ LF_NODISCARD lf_status lf_print_source_share(lf_print_source *copy);
  * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out);
+/* One sample, [3]. */
+void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out);
 
 /* ------------------------------------------------------------------------------------ colour -- */
 
@@ -97,6 +131,25 @@ const void *lf_print_colour_profile(const lf_print_colour *colour, size_t *out_s
  * byte order. */
 void lf_print_colour_encode(const lf_print_colour *colour, size_t n, const float *in, void *out);
 
+/* ---------------------------------------------------------------------------- general sheets -- */
+
+/* Rows of prints that are not separable. All references are borrowed. */
+
+/* Linear sheets, slanted or with an exact map. */
+typedef struct lf_slanted lf_slanted;
+LF_NODISCARD lf_status lf_slanted_create(const lf_print *print, const lf_print_shape *shape,
+                                         const lf_print_source *source, lf_slanted **out);
+void lf_slanted_destroy(lf_slanted *slanted);
+/* Linear light of row y of the picture, [raster_width][3]. Rows in any order. */
+void lf_slanted_row(lf_slanted *slanted, int y, float *row);
+
+/* Micro sheets. */
+typedef struct lf_micro lf_micro;
+LF_NODISCARD lf_status lf_micro_create(const lf_print *print, const lf_print_shape *shape,
+                                       const lf_print_source *source, lf_micro **out);
+void lf_micro_destroy(lf_micro *micro);
+void lf_micro_row(lf_micro *micro, int y, float *row);
+
 /* -------------------------------------------------------------------------------------- page -- */
 
 /* The most strips of a page that are made at the same time. */
@@ -111,7 +164,7 @@ typedef struct lf_print_page {
     void (*draw)(void *context, int y, float *row);
     void *context;
     /* Contexts for strips that are drawn at the same time, each by one thread. n_hands 0: `context`
-     * alone, whose rows all come in order. */
+     * alone. */
     void *const *hands;
     int n_hands;
     const struct lf_sheet *sheet; /* the copies; NULL: one in the middle */
@@ -153,8 +206,10 @@ typedef struct lf_print_sink {
 
 extern const lf_print_sink lf_print_tiff_sink, lf_print_pdf_sink;
 
-/* The least number of bytes that the file will have: a tenth of the raster if it is compressed. */
-double lf_print_least_bytes(const lf_print *print, lf_print_format format, double raster_bytes);
+/* LF_E_IO: the disk of an open file has no room for a raster of so many bytes (print_room.c). */
+LF_NODISCARD lf_status lf_print_room_for(const lf_print *print, lf_print_format format,
+                                         double raster_bytes, const lf_outfile *file,
+                                         lf_error *err);
 
 /* -------------------------------------------------------------------------------------- tiff -- */
 

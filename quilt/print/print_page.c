@@ -1,7 +1,6 @@
 /* A page written strip by strip, for prints and charts. Several strips are made at the same time,
  * and written in order. */
 #include <string.h>
-#include <sys/statvfs.h>
 
 #include "base/alloc.h"
 #include "quilt/print/print.h"
@@ -32,29 +31,6 @@ int lf_print_hands(const lf_print_run *run)
 {
     const int n = run->pool ? STRIPS_A_THREAD * lf_pool_threads(run->pool) : 1;
     return n < LF_PRINT_MAX_HANDS ? n : LF_PRINT_MAX_HANDS;
-}
-
-/* -------------------------------------------------------------------------------------- room -- */
-
-double lf_print_least_bytes(const lf_print *print, lf_print_format format, double raster_bytes)
-{
-    const bool is_plain = format == LF_PRINT_TIFF && print->compress == LF_COMPRESS_NONE;
-    return is_plain ? raster_bytes : 0.1 * raster_bytes;
-}
-
-static lf_status check_room(const lf_outfile *file, double bytes, lf_error *err)
-{
-    struct statvfs disk;
-    /* files in memory have no disk */
-    if (fstatvfs(file->fd, &disk) != 0 || disk.f_blocks == 0)
-        return LF_OK;
-    const double free_bytes = (double)disk.f_bavail * (double)disk.f_frsize;
-    if (free_bytes >= bytes)
-        return LF_OK;
-    return lf_error_set(err, LF_E_IO, file->path ? file->path : "print",
-                        "the disk is too full: this file needs %.3g GB, and %.3g GB are free; make "
-                        "room or choose another folder",
-                        1e-9 * bytes, 1e-9 * free_bytes);
 }
 
 /* ------------------------------------------------------------------------------------ strips -- */
@@ -158,9 +134,8 @@ lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *
                  .sink = run->format == LF_PRINT_PDF ? &lf_print_pdf_sink : &lf_print_tiff_sink,
                  .row_bytes = (size_t)page->width * (size_t)lf_print_colour_channels(colour) *
                               (size_t)page->print->bits / 8};
-    const double raster_bytes = (double)w.row_bytes * page->height;
     lf_status status =
-        check_room(file, lf_print_least_bytes(page->print, run->format, raster_bytes), err);
+        lf_print_room_for(page->print, run->format, (double)w.row_bytes * page->height, file, err);
     if (status == LF_OK)
         status = w.sink->open(file, page, colour, rows_per_strip, &w.state, err);
     if (status != LF_OK)
