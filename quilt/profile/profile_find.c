@@ -32,6 +32,11 @@ bool lf_profile_is_name(const char *text)
     return true;
 }
 
+bool lf_profile_is_path(const char *name)
+{
+    return strchr(name, '/') || lf_path_has_ending(name, ".json");
+}
+
 /* A path that does not fit is empty. */
 static void put(char out[static PATH_MAX], const char *folder, const char *below)
 {
@@ -203,7 +208,7 @@ lf_status lf_profile_find(lf_profile_kind kind, const char *name, char out[stati
                           lf_error *err)
 {
     char folders[FOLDERS][PATH_MAX], below[LF_PROFILE_NAME + 8];
-    if (strchr(name, '/') || lf_path_has_ending(name, ".json")) {
+    if (lf_profile_is_path(name)) {
         put(out, name, "");
         return out[0] != '\0' ? LF_OK
                               : lf_error_set(err, LF_E_ARG, "profile", "the path is too long");
