@@ -429,7 +429,7 @@ lf_status lf_profiles_remove(const lf_profiles_command *command, lf_error *err)
     if (unlink(path) != 0)
         return errno == ENOENT
                    ? lf_error_set(err, LF_E_ARG, place.name,
-                                  "is not yours; it is in %s, which --folder may name", place.path)
+                                  "is in %s; only profiles of yours can be removed", place.path)
                    : lf_error_set(err, LF_E_IO, path, "cannot remove: %s", lf_errno_text(errno));
     lf_log(LF_LOG_INFO, "removed %s", path);
     if (lf_profile_find(place.kind, place.name, path, &none) == LF_OK)
