@@ -67,7 +67,7 @@ static lf_status list_kind(lf_profile_kind kind, json_t *json, int *out_bad, lf_
                                                   entry->name, "name", title, "file", entry->path,
                                                   "own", entry->is_own));
         } else {
-            printf("%-8s %-22s %-32s %s%s\n", lf_profile_kind_name(kind), entry->name, what, title,
+            printf("%-8s %-18s %-40s %s%s\n", lf_profile_kind_name(kind), entry->name, what, title,
                    entry->is_own ? " (yours)" : "");
         }
     }

@@ -172,6 +172,12 @@ static const lf_param *row_of(const lf_param *rows, const char *key)
     return NULL;
 }
 
+static json_t *number_of(double value)
+{
+    return value == floor(value) && fabs(value) < 1e9 ? json_integer((json_int_t)value)
+                                                      : json_real(value);
+}
+
 /* "300,600" as an array; what is no number becomes a string, which the check refuses. */
 static json_t *list_of(const char *text)
 {
@@ -182,7 +188,7 @@ static json_t *list_of(const char *text)
         const size_t n = strcspn(text, ",");
         snprintf(one, sizeof one, "%.*s", (int)n, text);
         json_array_append_new(list,
-                              lf_decimal_is(one, &number) ? json_real(number) : json_string(one));
+                              lf_decimal_is(one, &number) ? number_of(number) : json_string(one));
         text += n + (text[n] == ',');
     }
     return list;
@@ -193,10 +199,8 @@ static json_t *value_of(const lf_param *row, const char *key, const char *text)
     double number;
     if (strcmp(key, "native_dpi") == 0 || strcmp(key, "crosstalk") == 0)
         return list_of(text);
-    if (row && row->type != LF_PARAM_TEXT && lf_decimal_is(text, &number))
-        return number == floor(number) && fabs(number) < 1e9 ? json_integer((json_int_t)number)
-                                                             : json_real(number);
-    return json_string(text);
+    return row && row->type != LF_PARAM_TEXT && lf_decimal_is(text, &number) ? number_of(number)
+                                                                             : json_string(text);
 }
 
 /* Takes "KEY=VALUE" into values; without a VALUE the key is removed. A number that changes loses
