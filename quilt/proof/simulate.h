@@ -40,11 +40,10 @@ typedef struct lf_proof_sheet {
     int n_views;
 } lf_proof_sheet;
 
-/* The sheet of a print. lpi, dpi, width_mm and height_mm must be set. mechanical_lpi: of the sheet,
- * 0 = the one whose visual pitch at the print's distance is print->lpi. notes (may be NULL) get a
- * line for each number that is assumed: thickness, distance. */
-void lf_proof_sheet_of(const lf_print *print, double mechanical_lpi, lf_proof_sheet *out,
-                       lf_image_notes *notes);
+/* The sheet of a print: that whose visual pitch at the print's distance is print->lpi. lpi, dpi,
+ * width_mm and height_mm must be set. notes (may be NULL) get a line for each number that is
+ * assumed: thickness, distance. */
+void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_notes *notes);
 /* From the middle of one view to that of the next, in eye positions at this distance, and over all
  * views until they repeat. */
 double lf_proof_view_step(const lf_proof_sheet *sheet, double distance_mm);

@@ -22,8 +22,7 @@ static int views_of(const lf_print *print)
     return print->n_views > 0 ? print->n_views : usual > 2 ? usual : 2;
 }
 
-void lf_proof_sheet_of(const lf_print *print, double mechanical_lpi, lf_proof_sheet *out,
-                       lf_image_notes *notes)
+void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_notes *notes)
 {
     const lf_optics *o = &print->optics;
     const double slant = o->slant * RADIANS, visual_mm = MM_PER_INCH / print->lpi;
@@ -45,8 +44,7 @@ void lf_proof_sheet_of(const lf_print *print, double mechanical_lpi, lf_proof_sh
             distance);
     const int n_views = views_of(print);
     *out = (lf_proof_sheet){
-        .pitch_mm = mechanical_lpi > 0.0 ? MM_PER_INCH / mechanical_lpi
-                                         : visual_mm / (1.0 + thickness / (index * distance)),
+        .pitch_mm = visual_mm / (1.0 + thickness / (index * distance)),
         .right = print->horizontal ? -sin(slant) : cos(slant),
         .down = print->horizontal ? cos(slant) : sin(slant),
         .horizontal = print->horizontal,

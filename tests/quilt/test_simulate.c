@@ -186,7 +186,7 @@ static double compare(const lf_print *print, const lf_print *under, const sheet 
     lf_proof_light light;
     lf_error err;
     print_file(print, &printed, &file);
-    lf_proof_sheet_of(under, 0, &proofed, NULL);
+    lf_proof_sheet_of(under, &proofed, NULL);
     for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
         lf_assert_ok(lf_proof_see(file, &proofed, &eyes[i], 8, NULL, &light, &err), &err);
         worst = fmax(worst, worst_of(&light, &printed, print, oracle, &eyes[i]));
@@ -298,7 +298,7 @@ static void agrees_with_the_oracle_in_a_plane(void **state)
     lf_error err;
     int first, last;
     print_file(&print, &printed, &file);
-    lf_proof_sheet_of(&print, 0, &proofed, NULL);
+    lf_proof_sheet_of(&print, &proofed, NULL);
     lf_assert_ok(lf_proof_see(file, &proofed, &eye, 1, NULL, &seen, &err), &err);
     const lf_sheet other = lf_sheet_for(print.lpi, 400, 0.6, 1.56, 0);
     double *light = lf_calloc((size_t)printed.width, sizeof *light);
