@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "quilt/print/guard.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/marks.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
@@ -149,12 +149,12 @@ static lf_status choose_micro_views(lf_print *print, int n_most, const char *whe
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
                                 lf_error *err)
 {
-    const int n_frames = lf_guard_frames(print, n_most), guard = print->sheet.guard;
+    const int n_frames = lf_flip_frames(print, n_most), guard = print->sheet.guard;
     if (print->n_views > n_frames && guard == 0)
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
                                "%d views requested, but only %d exist", print->n_views, n_frames);
     if (print->n_views > 0)
-        return lf_guard_check(print, n_most, where, err);
+        return lf_flip_check(print, n_most, where, err);
     if (lf_print_is_micro(print))
         return choose_micro_views(print, n_most, where, err);
     const double pixels_per_lens = lf_print_pixels_per_lens(print);
@@ -170,7 +170,7 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
     }
     const double evenly = n_frames * floor(clean / n_frames);
     print->n_views = (int)(evenly >= n_frames * (1.0 + guard) ? evenly : clean);
-    const lf_status status = lf_guard_check(print, n_most, where, err);
+    const lf_status status = lf_flip_check(print, n_most, where, err);
     if (status != LF_OK)
         print->n_views = 0;
     return status;
@@ -489,7 +489,7 @@ static void draw_row(void *context, int y, float *row)
     }
 }
 
-/* ------------------------------------------------------------------------------------- page -- */
+/* -------------------------------------------------------------------------------------- page -- */
 
 static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone, int n_jobs,
                            lf_error *err)
@@ -560,7 +560,7 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
             err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
             views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
     if (status == LF_OK)
-        status = lf_guard_check(print, views->n_views, "print", err);
+        status = lf_flip_check(print, views->n_views, "print", err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)

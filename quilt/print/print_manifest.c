@@ -9,7 +9,7 @@
 
 #include "base/alloc.h"
 #include "base/version.h"
-#include "quilt/print/guard.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/print.h"
 #include "quilt/print/sheet.h"
 
@@ -236,7 +236,7 @@ static json_t *shown_part(const lf_print_facts *facts)
     const int n_images = facts->source->views->n_views;
     json_t *shown = json_array();
     for (int i = 0; shown && i < facts->print->n_views; i++) {
-        const lf_stripe_content content = lf_guard_content(facts->print, n_images, i);
+        const lf_stripe_content content = lf_flip_content(facts->print, n_images, i);
         json_array_append_new(shown, content.neutral ? json_null()
                                      : content.blend > 0.0F
                                          ? json_real(content.image + (double)content.blend)
@@ -253,8 +253,8 @@ static json_t *source_part(const lf_print_facts *facts)
         views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
                                  : "one sample per lens, the printer's rows",
-        "frames", lf_guard_frames(facts->print, views->n_views), "shown", shown_part(facts),
-        "photo", photo_part(facts->source), "exposure", facts->run->exposure, "tonemap",
+        "frames", lf_flip_frames(facts->print, views->n_views), "shown", shown_part(facts), "photo",
+        photo_part(facts->source), "exposure", facts->run->exposure, "tonemap",
         facts->run->tonemap ? facts->run->tonemap : "srgb");
 }
 

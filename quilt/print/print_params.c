@@ -14,10 +14,8 @@ static const char *const compress[] = {[LF_COMPRESS_NONE] = "none",
                                        [LF_COMPRESS_DEFLATE] = "deflate",
                                        NULL};
 static const char *const orientations[] = {"vertical", "horizontal", NULL};
-static const char *const guards[] = {[LF_GUARD_REPEAT] = "repeat",
-                                     [LF_GUARD_WHITE] = "white",
-                                     [LF_GUARD_BLACK] = "black",
-                                     NULL};
+static const char *const guards[] = {
+    [LF_GUARD_REPEAT] = "repeat", [LF_GUARD_WHITE] = "white", [LF_GUARD_BLACK] = "black", NULL};
 static const char *const grids[] = {[LF_LENS_LINEAR] = "linear",
                                     [LF_LENS_SQUARE] = "square",
                                     [LF_LENS_HEXAGONAL] = "hexagonal",

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "quilt/print/guard.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/print.h"
 
 /* Aspects closer than this are equal: file names round them. */
@@ -224,7 +224,7 @@ static bool gather_line(const lf_print_source *source, int stripe, const line_pl
                         float *out)
 {
     const lf_stripe_content content =
-        lf_guard_content(source->print, source->views->n_views, stripe);
+        lf_flip_content(source->print, source->views->n_views, stripe);
     if (content.neutral) {
         for (int s = 0; s < 3 * other->n_out; s++)
             out[s] = content.light;
@@ -293,7 +293,7 @@ static void add_point(const lf_print_source *source, int view, float part, int a
 void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out)
 {
     float sum[3] = {0.0F, 0.0F, 0.0F};
-    const lf_stripe_content content = lf_guard_content(source->print, source->views->n_views, i);
+    const lf_stripe_content content = lf_flip_content(source->print, source->views->n_views, i);
     if (content.neutral) {
         out[0] = out[1] = out[2] = content.light;
         return;

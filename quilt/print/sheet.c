@@ -6,7 +6,7 @@
 
 #include "base/alloc.h"
 #include "quilt/font.h"
-#include "quilt/print/guard.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/print.h"
 
 /* The largest page, mm: a print of the largest size with bleed and marks, and some paper. */
@@ -257,7 +257,7 @@ void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *no
     lf_print_shape shape;
     lf_sheet sheet;
     lf_print_shape_of(print, &shape);
-    lf_guard_note(print, n_images, notes);
+    lf_flip_note(print, n_images, notes);
     if (lf_sheet_init(&sheet, print, &shape, NULL) != LF_OK)
         return;
     note_pitch(&sheet, print, notes);
@@ -271,7 +271,7 @@ char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_
     lf_sheet sheet;
     char stripes[128], copies[96] = "";
     lf_print_shape_of(print, &shape);
-    lf_guard_text(print, n_images, stripes, sizeof stripes);
+    lf_flip_text(print, n_images, stripes, sizeof stripes);
     if (lf_sheet_init(&sheet, print, &shape, NULL) == LF_OK && sheet.n_columns * sheet.n_rows > 1)
         snprintf(copies, sizeof copies, "%dx%d copies, %.2f mm apart across and %.2f mm down",
                  sheet.n_columns, sheet.n_rows, sheet.step_right_mm, sheet.step_down_mm);

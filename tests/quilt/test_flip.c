@@ -2,7 +2,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "quilt/print/guard.h"
+#include "quilt/print/flip.h"
 #include "tests/quilt/optical_oracle.h"
 #include "tests/quilt/printed.h"
 
@@ -30,8 +30,8 @@ static lf_print flip_print(int n_views, int guard, lf_guard_kind kind, int morph
 static void expect_stripes(const lf_print *print, int n_images, const char *expected)
 {
     char text[128];
-    assert_int_equal(lf_guard_check(print, n_images, "test", NULL), LF_OK);
-    assert_string_equal(lf_guard_text(print, n_images, text, sizeof text), expected);
+    assert_int_equal(lf_flip_check(print, n_images, "test", NULL), LF_OK);
+    assert_string_equal(lf_flip_text(print, n_images, text, sizeof text), expected);
 }
 
 static void guards_are_between_all_frames_also_of_two_lenses(void **state)
@@ -65,7 +65,7 @@ static void blends_are_in_equal_steps_and_evenly_chosen(void **state)
     print.sheet.morph = 0;
     print.n_views = 5;
     for (int i = 0; i < 5; i++) {
-        const lf_stripe_content content = lf_guard_content(&print, 2, i);
+        const lf_stripe_content content = lf_flip_content(&print, 2, i);
         assert_int_equal(content.image, i < 2 ? 0 : 1);
         assert_true(content.blend == 0.0F && !content.neutral);
     }
@@ -191,14 +191,14 @@ static void notes_tell_of_frames_that_are_lost_uneven_or_seen_by_one_eye(void **
     size_t at = 0;
     lf_image_notes notes = {0};
     lf_print print = flip_print(5, 0, LF_GUARD_REPEAT, 8);
-    lf_guard_note(&print, 2, &notes);
+    lf_flip_note(&print, 2, &notes);
     assert_true(lf_image_notes_next(&notes, &at, line, sizeof line));
     assert_non_null(strstr(line, "5 of 10 frames are shown"));
     assert_true(lf_image_notes_next(&notes, &at, line, sizeof line));
     assert_non_null(strstr(line, "--orientation horizontal"));
     print = flip_print(7, 1, LF_GUARD_WHITE, 0);
     print.horizontal = true;
-    lf_guard_note(&print, 2, &notes);
+    lf_flip_note(&print, 2, &notes);
     assert_true(lf_image_notes_next(&notes, &at, line, sizeof line));
     assert_non_null(strstr(line, "5 stripes do not divide evenly among 2 frames; 6 views"));
     assert_false(lf_image_notes_next(&notes, &at, line, sizeof line));

@@ -65,8 +65,7 @@ static lf_printed printed_of(const lf_print *print, double grey[VIEWS][3])
     return out;
 }
 
-/* ---------------------------------------------------------------------------- a line of pixels --
- */
+/* -------------------------------------------------------------------------- a line of pixels -- */
 
 /* Light across the lenses, one channel. */
 typedef struct line {
@@ -97,8 +96,7 @@ static line pasted(const line *one, int n_page, const double *middles)
     return out;
 }
 
-/* ------------------------------------------------------------------------------ how it is seen --
- */
+/* ---------------------------------------------------------------------------- how it is seen -- */
 
 /* How far the stripes of the copy around `middle` are from where the eye in front of it looks, in
  * mm, by a lock-in at the visual pitch. re and im: views coded by a turning phase. */
@@ -179,8 +177,7 @@ static void free_lines(line *lines, int n)
         lf_free(lines[i].light);
 }
 
-/* --------------------------------------------------------------------------------------- tests --
- */
+/* ------------------------------------------------------------------------------------- tests -- */
 
 static void each_copy_is_in_phase_with_the_lens_at_its_middle(void **state)
 {
@@ -276,8 +273,7 @@ static void copies_on_no_lens_show_other_views(void **state)
     free_lines(page, VIEWS);
 }
 
-/* ------------------------------------------------------------------------------------ the page --
- */
+/* ---------------------------------------------------------------------------------- the page -- */
 
 static double number_at(const json_t *array, size_t i)
 {
@@ -417,8 +413,7 @@ static void crop_marks_end_before_the_next_copy(void **state)
     lf_printed_finish(&p);
 }
 
-/* ------------------------------------------------------------------------------------ mistakes --
- */
+/* ---------------------------------------------------------------------------------- mistakes -- */
 
 static void expect_refusal(const lf_print *print, const char *words)
 {

@@ -1461,6 +1461,10 @@ export interface Calls {
       "filter"?: "nearest" | "linear";
       /** panel: reverse the order of the views under a lens; auto: as the calibration says */
       "invert"?: "auto" | "yes" | "no";
+      /** profile of the lens sheet, by name or file (quiltprint list) */
+      "lens"?: string;
+      /** profile of the printer, by name or file */
+      "printer"?: string;
       /** response of the panel to its codes: srgb or an exponent */
       "gamma"?: "srgb" | number;
       /** colour temperature of the panel's white; not together with white_x [kelvin] */

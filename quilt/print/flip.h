@@ -6,8 +6,8 @@
  * that are not guards, to one. Behind each frame there are G guards, also behind the last one,
  * because the next lens begins with the first frame: half of those, rounded down, are at the
  * beginning of the lens. */
-#ifndef LF_QUILT_GUARD_H
-#define LF_QUILT_GUARD_H
+#ifndef LF_QUILT_FLIP_H
+#define LF_QUILT_FLIP_H
 
 #include "quilt/prints.h"
 
@@ -20,17 +20,17 @@ typedef struct lf_stripe_content {
 } lf_stripe_content;
 
 /* Frames that n images make. */
-int lf_guard_frames(const lf_print *print, int n_images);
-/* What stripe view i of 0..n_views-1 shows. print must have passed lf_guard_check. */
-lf_stripe_content lf_guard_content(const lf_print *print, int n_images, int i);
+int lf_flip_frames(const lf_print *print, int n_images);
+/* What stripe view i of 0..n_views-1 shows. print must have passed lf_flip_check. */
+lf_stripe_content lf_flip_content(const lf_print *print, int n_images, int i);
 /* LF_E_ARG: guards leave no stripe for some of the frames. */
-LF_NODISCARD lf_status lf_guard_check(const lf_print *print, int n_images, const char *where,
+LF_NODISCARD lf_status lf_flip_check(const lf_print *print, int n_images, const char *where,
                                       lf_error *err);
 /* Notes what may surprise: frames that are not shown, frames of unlike width, lenses that show each
  * eye another frame. */
-void lf_guard_note(const lf_print *print, int n_images, lf_image_notes *notes);
+void lf_flip_note(const lf_print *print, int n_images, lf_image_notes *notes);
 /* The stripes of a lens from first to last, "0 0 - 1 1 -", in buf; "" without guards and blends.
  * Returns buf. */
-char *lf_guard_text(const lf_print *print, int n_images, char *buf, size_t size);
+char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size);
 
 #endif

@@ -1,9 +1,9 @@
-#include "quilt/print/guard.h"
+#include "quilt/print/flip.h"
 
 #include <stdio.h>
 #include <string.h>
 
-int lf_guard_frames(const lf_print *print, int n_images)
+int lf_flip_frames(const lf_print *print, int n_images)
 {
     return n_images + (n_images - 1) * print->sheet.morph;
 }
@@ -25,7 +25,7 @@ static lf_stripe_content frame_content(const lf_print *print, int n_images, int 
 /* Guard g of those behind a frame. */
 static lf_stripe_content guard_content(const lf_print *print, int n_images, int frame, int g)
 {
-    const int n_frames = lf_guard_frames(print, n_images);
+    const int n_frames = lf_flip_frames(print, n_images);
     if (print->sheet.guard_kind == LF_GUARD_REPEAT)
         return frame_content(print, n_images,
                              2 * g < print->sheet.guard ? frame : (frame + 1) % n_frames);
@@ -33,9 +33,9 @@ static lf_stripe_content guard_content(const lf_print *print, int n_images, int 
                                .light = print->sheet.guard_kind == LF_GUARD_WHITE ? 1.0F : 0.0F};
 }
 
-lf_stripe_content lf_guard_content(const lf_print *print, int n_images, int i)
+lf_stripe_content lf_flip_content(const lf_print *print, int n_images, int i)
 {
-    const int guard = print->sheet.guard, n_frames = lf_guard_frames(print, n_images);
+    const int guard = print->sheet.guard, n_frames = lf_flip_frames(print, n_images);
     const int n_shown = print->n_views - n_frames * guard;
     if (guard == 0)
         return frame_content(print, n_images, evenly(i, print->n_views, n_frames));
@@ -57,9 +57,9 @@ lf_stripe_content lf_guard_content(const lf_print *print, int n_images, int i)
     return guard_content(print, n_images, n_frames - 1, 0);
 }
 
-lf_status lf_guard_check(const lf_print *print, int n_images, const char *where, lf_error *err)
+lf_status lf_flip_check(const lf_print *print, int n_images, const char *where, lf_error *err)
 {
-    const int n_frames = lf_guard_frames(print, n_images), guard = print->sheet.guard;
+    const int n_frames = lf_flip_frames(print, n_images), guard = print->sheet.guard;
     if (guard == 0 || (int64_t)n_frames * (1 + guard) <= print->n_views)
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, where,
@@ -68,9 +68,9 @@ lf_status lf_guard_check(const lf_print *print, int n_images, const char *where,
                         n_frames, guard, (long long)n_frames * (1 + guard), print->n_views);
 }
 
-void lf_guard_note(const lf_print *print, int n_images, lf_image_notes *notes)
+void lf_flip_note(const lf_print *print, int n_images, lf_image_notes *notes)
 {
-    const int n_frames = lf_guard_frames(print, n_images), guard = print->sheet.guard;
+    const int n_frames = lf_flip_frames(print, n_images), guard = print->sheet.guard;
     const int n_shown = print->n_views - n_frames * guard;
     if (guard == 0 && print->sheet.morph == 0)
         return;
@@ -87,13 +87,13 @@ void lf_guard_note(const lf_print *print, int n_images, lf_image_notes *notes)
                              "--orientation horizontal shows both eyes the same");
 }
 
-char *lf_guard_text(const lf_print *print, int n_images, char *buf, size_t size)
+char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size)
 {
     buf[0] = '\0';
     if (print->sheet.guard == 0 && print->sheet.morph == 0)
         return buf;
     for (int i = 0; i < print->n_views; i++) {
-        const lf_stripe_content content = lf_guard_content(print, n_images, i);
+        const lf_stripe_content content = lf_flip_content(print, n_images, i);
         const size_t n = strlen(buf);
         char word[32];
         snprintf(word, sizeof word, content.neutral ? "-" : "%.3g",
