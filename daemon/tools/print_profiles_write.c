@@ -241,6 +241,8 @@ static lf_status start_of(const lf_profiles_command *command, lf_profile_kind ki
                           lf_error *err)
 {
     lf_error none;
+    if (target_of(command, kind, name, origin, err) != LF_OK)
+        return err->status;
     if (origin_of(command, kind, name, origin, &none) != LF_OK) {
         origin[0] = '\0';
         *out = json_pack("{s:i}", versions[kind], 1);
@@ -391,7 +393,9 @@ lf_status lf_profiles_calibrate(const lf_profiles_command *command, lf_error *er
         return lf_error_set(err, LF_E_ARG, "calibrate",
                             "expected LENS PRINTER RESULT.json, or KEY=VALUE");
     const char *name = command->words[0];
-    lf_status status = origin_of(command, LF_PROFILE_LENS, name, origin, err);
+    lf_status status = target_of(command, LF_PROFILE_LENS, name, origin, err);
+    if (status == LF_OK)
+        status = origin_of(command, LF_PROFILE_LENS, name, origin, err);
     if (status == LF_OK)
         status = origin_of(command, LF_PROFILE_PRINTER, command->words[1], printer, err);
     if (status == LF_OK)
