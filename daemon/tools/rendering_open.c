@@ -21,6 +21,8 @@
 
 /* Open files in addition to the files of an output. */
 #define OTHER_FILES 64
+/* Cameras of a grid for a micro lens sheet. */
+#define MOST_GRID_VIEWS 4096
 
 /* Checked early, so that an hour of rendering does not end at a missing folder. */
 static lf_status check_folder_of(const char *path, lf_error *err)
@@ -247,11 +249,14 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
-        status = lf_rendering_open_print(r, LF_MAX_VIEWS, err);
+        const int n_most = lf_print_is_micro(&a->print) ? MOST_GRID_VIEWS : LF_MAX_VIEWS;
+        status = lf_rendering_open_print(r, n_most, err);
         if (status == LF_OK)
             lf_output_print_view(&r->print, &r->settings);
         if (status == LF_OK && is_alone(r))
             narrow_cone(r);
+        if (status == LF_OK)
+            lf_output_print_rig(&r->print, &r->settings.camera);
         r->print.rolled = r->print.horizontal;
     }
     return status;
