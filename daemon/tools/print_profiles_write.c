@@ -72,7 +72,8 @@ static lf_status origin_of(const lf_profiles_command *command, lf_profile_kind k
     return lf_profile_find(kind, name, out, err);
 }
 
-lf_status profile_place_of(const lf_profiles_command *command, profile_place *out, lf_error *err)
+lf_status lf_profile_place_of(const lf_profiles_command *command, lf_profile_place *out,
+                              lf_error *err)
 {
     lf_error other;
     char path[PATH_MAX];
@@ -426,10 +427,10 @@ lf_status lf_profiles_calibrate(const lf_profiles_command *command, lf_error *er
 
 lf_status lf_profiles_remove(const lf_profiles_command *command, lf_error *err)
 {
-    profile_place place;
+    lf_profile_place place;
     char path[PATH_MAX];
     lf_error none;
-    lf_status status = profile_place_of(command, &place, err);
+    lf_status status = lf_profile_place_of(command, &place, err);
     if (status == LF_OK)
         status = target_of(command, place.kind, place.name, path, err);
     if (status != LF_OK)
