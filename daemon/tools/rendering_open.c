@@ -612,8 +612,8 @@ static lf_status open_profiles(lf_rendering *r, lf_error *err)
     r->asked = a->print;
     if (!a->kind->check_print)
         return LF_OK;
-    lf_status status =
-        lf_profiles_open(&a->profiles, NULL, &a->given, &r->asked, &r->profiles, err);
+    lf_status status = lf_profiles_open(&a->of_print.profiles, NULL, &a->of_print.given, &r->asked,
+                                        &r->profiles, err);
     if (status != LF_OK)
         return status;
     for (size_t at = 0; lf_image_notes_next(&r->profiles.told.lines, &at, line, sizeof line);)

@@ -184,19 +184,121 @@ static void each_copy_is_in_phase_with_the_lens_at_its_middle(void **state)
     (void)state;
     double grey[VIEWS][3];
     code_views(grey);
-    for (int horizontal = 0; horizontal < 2; horizontal++) {
-        const lf_print print = sheet_print(horizontal);
+    for (int i = 0; i < 4; i++) {
+        const bool horizontal = i % 2;
+        lf_print print = sheet_print(horizontal);
+        print.optics.map = i < 2 ? LF_MAP_UNIFORM : LF_MAP_EXACT;
         lf_printed printed = printed_of(&print, grey);
         for (int row = 0; row < 2; row++) {
             const int n_along = horizontal ? printed.width : printed.height;
             const int along = row == 0 ? 30 : n_along - 30;
             line lines[2] = {line_of(&printed, horizontal, along, 0),
                              line_of(&printed, horizontal, along, 1)};
-            for (int i = 0; i < COPIES; i++)
-                lf_assert_close(phase_error(&lines[0], &lines[1], middle_of(i)), 0.0, 0.0, 5e-4);
+            for (int c = 0; c < COPIES; c++)
+                lf_assert_close(phase_error(&lines[0], &lines[1], middle_of(c)), 0.0, 0.0, 5e-4);
             free_lines(lines, 2);
         }
         lf_printed_finish(&printed);
+    }
+}
+
+/* Lenses that lean by so much, clockwise: the eye in front of a copy's middle sees phase 0 there.
+ */
+static double slanted_error(const lf_printed *p, bool horizontal, double slant, double right,
+                            double down)
+{
+    double complex sum = 0.0;
+    const double u_right = horizontal ? -sin(slant) : cos(slant),
+                 u_down = horizontal ? cos(slant) : sin(slant);
+    for (int y = 0; y < p->height; y++)
+        for (int x = 0; x < p->width; x++) {
+            const double a = (x + 0.5 - 0.5 * p->width) * pixel - right,
+                         b = (y + 0.5 - 0.5 * p->height) * pixel - down;
+            if (hypot(a, b) >= 4.5)
+                continue;
+            const double window = 1.0 + cos(pi * hypot(a, b) / 4.5);
+            const double complex signal =
+                CMPLX(lf_printed_linear(p, x, y, 0) - 0.5, lf_printed_linear(p, x, y, 1) - 0.5);
+            sum +=
+                window * signal * cexp(CMPLX(0.0, 2.0 * pi * (a * u_right + b * u_down) / visual));
+        }
+    return carg(-sum) * visual / (2.0 * pi);
+}
+
+static void copies_of_slanted_lenses_are_on_lenses_of_the_sheet(void **state)
+{
+    (void)state;
+    double grey[VIEWS][3];
+    code_views(grey);
+    for (int i = 0; i < 4; i++) {
+        const bool horizontal = i / 2;
+        const double degrees = i % 2 ? 12.5 : -7.0, slant = degrees * pi / 180.0;
+        lf_print print = sheet_print(horizontal);
+        print.width_mm = print.height_mm = 10.0;
+        print.sheet.columns = 3;
+        print.sheet.rows = 2;
+        print.optics.slant = degrees;
+        print.optics.map = i < 2 ? LF_MAP_AUTO : LF_MAP_UNIFORM;
+        lf_printed printed = printed_of(&print, grey);
+        const json_t *copies =
+            json_object_get(json_object_get(printed.manifest, "sheet"), "copies");
+        assert_int_equal(json_array_size(copies), 6);
+        for (size_t c = 0; c < 6; c++) {
+            const json_t *middle = json_object_get(json_array_get(copies, c), "middle_mm");
+            const double right = json_number_value(json_array_get(middle, 0)),
+                         down = json_number_value(json_array_get(middle, 1));
+            const double u = horizontal ? down * cos(slant) - right * sin(slant)
+                                        : right * cos(slant) + down * sin(slant);
+            lf_assert_close(u / mechanical() - round(u / mechanical()), 0.0, 0.0, 1e-9);
+            lf_assert_close(slanted_error(&printed, horizontal, slant, right, down), 0.0, 0.0,
+                            1e-3);
+            /* negative control: the lenses lean the other way */
+            assert_true(fabs(slanted_error(&printed, horizontal, -slant, right + 2.0, down + 2.0)) >
+                        0.01);
+        }
+        lf_printed_finish(&printed);
+    }
+}
+
+/* A copy has the pixels of a print whose phase is where the copy's middle is on its pixels. */
+static void copies_of_micro_sheets_are_on_lenses_both_ways(void **state)
+{
+    (void)state;
+    for (int hexagonal = 0; hexagonal < 2; hexagonal++) {
+        lf_print print = sheet_print(false);
+        float data[9][3];
+        for (int i = 0; i < 27; i++)
+            data[i / 3][i % 3] = (float)((i * 7) % 27) / 26.0F;
+        const lf_views32 views = {9, 1, 1, 3, 3, data[0], NULL, NULL, NULL};
+        print.width_mm = print.height_mm = 8.0;
+        print.n_views = 9;
+        print.optics.grid = hexagonal ? LF_LENS_HEXAGONAL : LF_LENS_SQUARE;
+        print.sheet.columns = 2;
+        lf_printed page, one;
+        lf_printed_make(&print, &views, 0, &page);
+        const json_t *copies = json_object_get(json_object_get(page.manifest, "sheet"), "copies");
+        print.sheet = (lf_print_sheet){0};
+        for (size_t c = 0; c < 4; c++) {
+            const json_t *middle = json_object_get(json_array_get(copies, c), "middle_mm");
+            const double right = json_number_value(json_array_get(middle, 0)),
+                         down = json_number_value(json_array_get(middle, 1)),
+                         row = mechanical() * (hexagonal ? sqrt(0.75) : 1.0);
+            lf_assert_close(remainder(right, mechanical()), 0.0, 0.0, 1e-9);
+            lf_assert_close(remainder(down, hexagonal ? 2.0 * row : row), 0.0, 0.0, 1e-9);
+            const int n = (int)lround(8.0 / pixel),
+                      left = (int)lround(right / pixel + 0.5 * page.width - 0.5 * n),
+                      top = (int)lround(down / pixel + 0.5 * page.height - 0.5 * n);
+            print.phase_mm = right - (left + 0.5 * n - 0.5 * page.width) * pixel;
+            print.optics.phase_down_mm = down - (top + 0.5 * n - 0.5 * page.height) * pixel;
+            lf_printed_make(&print, &views, 0, &one);
+            for (int y = 0; y < n; y++)
+                for (int x = 0; x < 3 * n; x++)
+                    assert_in_range(one.value[3 * n * y + x] + 2 -
+                                        page.value[3 * (page.width * (top + y) + left) + x],
+                                    0, 4);
+            lf_printed_finish(&one);
+        }
+        lf_printed_finish(&page);
     }
 }
 
@@ -471,6 +573,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_copy_is_in_phase_with_the_lens_at_its_middle),
+        cmocka_unit_test(copies_of_slanted_lenses_are_on_lenses_of_the_sheet),
+        cmocka_unit_test(copies_of_micro_sheets_are_on_lenses_both_ways),
         cmocka_unit_test(each_copy_alone_shows_every_view_from_its_own_middle),
         cmocka_unit_test(copies_that_are_placed_otherwise_are_found),
         cmocka_unit_test(copies_on_no_lens_show_other_views),
