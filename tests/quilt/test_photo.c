@@ -370,6 +370,31 @@ static void the_aspect_of_a_quilt_is_that_which_is_said(void **state)
     lf_quilt_finish(&q);
 }
 
+/* 30 x 20 mm at 600 dpi is 709 x 472 pixels. */
+static void sides_that_are_rounded_to_pixels_make_no_border(void **state)
+{
+    (void)state;
+    static const float data[3] = {0};
+    const lf_views32 views = {1, 1, 1, 3, 3, data, NULL, NULL, NULL};
+    for (int turned = 0; turned < 2; turned++) {
+        lf_image_notes notes = {0};
+        char line[512];
+        lf_print print = {.lpi = 60, .dpi = 600, .n_views = 1, .bits = 8};
+        print.width_mm = turned ? 20 : 30;
+        print.height_mm = turned ? 30 : 20;
+        print.view_aspect = turned ? 2.0 / 3.0 : 1.5;
+        lf_print_note_laid(&print, &views, &notes);
+        for (size_t at = 0; lf_image_notes_next(&notes, &at, line, sizeof line);)
+            assert_null(strstr(line, "borders"));
+        print.view_aspect *= 1.02; /* negative control */
+        notes = (lf_image_notes){0};
+        size_t at = 0;
+        lf_print_note_laid(&print, &views, &notes);
+        assert_true(lf_image_notes_next(&notes, &at, line, sizeof line));
+        assert_non_null(strstr(line, "borders"));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -383,6 +408,7 @@ int main(void)
         cmocka_unit_test(a_panel_is_covered_by_what_is_cut_to_whole_pixels),
         cmocka_unit_test(the_aspect_of_views_comes_back_from_their_pictures),
         cmocka_unit_test(the_aspect_of_a_quilt_is_that_which_is_said),
+        cmocka_unit_test(sides_that_are_rounded_to_pixels_make_no_border),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }
