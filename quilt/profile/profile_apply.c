@@ -122,6 +122,8 @@ static void say_sheet(filling *f)
         say_number(f, "thickness", optics->thickness_mm, "mm");
     if (f->lens->optics.index > 0 && !is_given(f->given, "index"))
         say_number(f, "index", optics->index, "");
+    else if (optics->thickness_mm > 0 && !(optics->index > 0))
+        say_number(f, "index unknown, taken as", lf_optics_index(optics), "");
     if (f->lens->optics.slant != 0 && !is_given(f->given, "slant"))
         say_number(f, "slant", optics->slant, "degrees");
     if (f->lens->has_horizontal && !is_given(f->given, "orientation"))

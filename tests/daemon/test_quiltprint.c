@@ -283,7 +283,7 @@ static void a_bad_profile_is_told_and_the_rest_listed(void **state)
 static int render(const char *folder, const char *words)
 {
     char line[2048];
-    snprintf(line, sizeof line, "%s -o %s/out.tif --print-size 12x10 --passes 1 --map uniform %s",
+    snprintf(line, sizeof line, "%s -o %s/out.tif --print-size 12x10 --passes 1 %s",
              lf_test_built("../scenes/spheres.json"), folder, words);
     return run(folder, "quiltrender", line);
 }
