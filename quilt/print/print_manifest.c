@@ -224,6 +224,18 @@ static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
                      "stripes", stripe_part(facts->print, options), "source", source_part(facts));
 }
 
+/* Adds the account of profiles; its warnings are among all. */
+static void add_profiles(json_t *root, const lf_print *print)
+{
+    json_t *account = json_copy((json_t *)(uintptr_t)print->profiles);
+    json_t *kind = json_object_get(account, "pitch_kind");
+    if (kind)
+        json_object_set(json_object_get(root, "lens"), "pitch_kind", kind);
+    json_object_del(account, "pitch_kind");
+    json_object_del(account, "warnings");
+    json_object_set_new(root, "profiles", account);
+}
+
 lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile *tiff,
                                   lf_outfile *manifest, lf_error *err)
 {
@@ -238,17 +250,14 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
         "quiltd " LF_VERSION, "print_at", advice, "file", file_part(tiff), "options", options,
         "size", size_part(facts->print, facts->shape), "colour", colour_part(facts, options),
         "warnings", warning_part(facts), "settings", settings);
-    if (facts->print->profiles) {
-        json_t *account = json_copy((json_t *)(uintptr_t)facts->print->profiles);
-        json_object_del(account, "warnings");
-        json_object_set_new(root, "profiles", account);
-    }
     if (facts->chart)
         json_object_set_new(root, "chart", facts->chart);
     else if (json_object_update_new(root, picture_parts(facts, options)) != 0) {
         json_decref(root);
         root = NULL;
     }
+    if (root && facts->print->profiles)
+        add_profiles(root, facts->print);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) : NULL;
     lf_status status = LF_OK;
 
