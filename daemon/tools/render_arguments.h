@@ -7,6 +7,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
 #include "daemon/output/video.h"
+#include "daemon/tools/simulate.h"
 
 #define LF_RENDER_PROGRAM "quiltrender"
 
@@ -51,7 +52,9 @@ typedef struct lf_render_arguments {
     const char *rgbd_option;  /* the first option that needs --rgbd */
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
-    lf_frames frames; /* checked */
+    lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
+    const char *simulate_option;  /* the first of them that was given */
+    lf_frames frames;             /* checked */
     lf_video_options video;
     bool has_codec, has_fps;
     const char *video_option; /* the first option that needs a video */
