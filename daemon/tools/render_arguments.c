@@ -181,8 +181,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
     a->depth.inverts |= is_inversion;
     if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
         a->depth.option = row->option;
-    if (params == lf_simulate_params && !a->simulate_option)
-        a->simulate_option = row->option;
+    if (params == lf_simulate_params && !a->simulate.first)
+        a->simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -457,9 +457,9 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
-    if (a->simulate_option) {
+    if (a->simulate.first) {
         char where[64];
-        snprintf(where, sizeof where, "--%s", a->simulate_option);
+        snprintf(where, sizeof where, "--%s", a->simulate.first);
         return lf_error_set(err, LF_E_ARG, where, "needs --simulate and a finished print");
     }
     if (optind >= argc && !(a->asked && a->asked->is_drawn))

@@ -53,7 +53,6 @@ typedef struct lf_render_arguments {
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
     lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
-    const char *simulate_option;  /* the first of them that was given */
     lf_frames frames;             /* checked */
     lf_video_options video;
     bool has_codec, has_fps;

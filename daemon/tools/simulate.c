@@ -68,8 +68,7 @@ typedef struct job {
     const lf_cancel *cancel;
 } job;
 
-/* -------------------------------------------------------------------------------- command line --
- */
+/* ----------------------------------------------------------------------------- command line -- */
 
 bool lf_simulate_is_wanted(int argc, char *const argv[])
 {
@@ -79,6 +78,8 @@ bool lf_simulate_is_wanted(int argc, char *const argv[])
             return true;
     return false;
 }
+
+enum { OPTION_VIEWS = LF_OPTION_OWN };
 
 static void print_help(void)
 {
@@ -91,14 +92,15 @@ static void print_help(void)
     lf_param_print_help(lf_simulate_params, NULL);
     lf_param_print_help(lf_profile_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
-    printf(LF_OPTIONS_HELP_LAST);
+    printf("  --views N              number of views under a lens\n" LF_OPTIONS_HELP_LAST);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    (void)code;
-    (void)err;
-    ((job *)context)->out = text;
+    job *j = context;
+    if (code == OPTION_VIEWS)
+        return lf_parse_small("--views", text, 1, LF_MAX_VIEWS, &j->print.n_views, err);
+    j->out = text;
     return LF_OK;
 }
 
@@ -111,6 +113,7 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
 static lf_status read_options(job *j, int argc, char *const argv[], bool *out_done, lf_error *err)
 {
     static const struct option table[] = {{"output", required_argument, NULL, 'o'},
+                                          {"views", required_argument, NULL, OPTION_VIEWS},
                                           {NULL, 0, NULL, 0}};
     const lf_options_part parts[] = {{lf_simulate_params, NULL, &j->options},
                                      {lf_print_params, NULL, &j->print},
@@ -158,21 +161,24 @@ static lf_status check_operands(job *j, int argc, char *const argv[], lf_error *
 static lf_status take_eye(job *j, lf_error *err)
 {
     const char *text = j->options.eye;
-    char after;
-    j->eye = (lf_eye){0.0, 0.0, j->sheet.distance_mm};
-    if (!text)
-        return LF_OK;
-    const int n =
-        sscanf(text, "%lf,%lf,%lf%c", &j->eye.x_mm, &j->eye.y_mm, &j->eye.distance_mm, &after);
-    if (n == 3 && fabs(j->eye.x_mm) <= MOST_ASIDE && fabs(j->eye.y_mm) <= MOST_ASIDE &&
-        j->eye.distance_mm > 0.0 && j->eye.distance_mm <= MOST_AWAY)
-        return LF_OK;
-    return lf_error_set(err, LF_E_ARG, "--eye",
-                        "must be X,Y,D in mm, such as 0,0,400; D is the distance");
+    double at[3] = {0.0, 0.0, j->sheet.distance_mm};
+    char part[64];
+    lf_status status = LF_OK;
+    for (int i = 0; text && i < 3 && status == LF_OK; i++) {
+        const size_t n = strcspn(text, ",");
+        if ((i < 2) != (text[n] == ',') || n >= sizeof part)
+            return lf_error_set(err, LF_E_ARG, "--eye",
+                                "must be X,Y,D in mm, such as 0,0,400; D is the distance");
+        snprintf(part, sizeof part, "%.*s", (int)n, text);
+        status = lf_parse_double("--eye", part, i < 2 ? -MOST_ASIDE : 0.01,
+                                 i < 2 ? MOST_ASIDE : MOST_AWAY, &at[i], err);
+        text += n + (i < 2);
+    }
+    j->eye = (lf_eye){at[0], at[1], at[2]};
+    return status;
 }
 
-/* ------------------------------------------------------------------------------------- opening --
- */
+/* ---------------------------------------------------------------------------------- opening -- */
 
 /* The manifest first, then profiles, then what the command line has. */
 static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
@@ -242,8 +248,7 @@ static void close_job(job *j)
     json_decref(j->manifest);
 }
 
-/* -------------------------------------------------------------------------------------- images --
- */
+/* ----------------------------------------------------------------------------------- images -- */
 
 static lf_status see(job *j, const lf_eye *eye, int width, int height, lf_image32 *out,
                      lf_error *err)
@@ -351,8 +356,7 @@ static lf_status write_picture(job *j, int width, int height, lf_error *err)
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------- film --
- */
+/* ------------------------------------------------------------------------------------- film -- */
 
 static lf_status see_film(job *j, int width, int height, lf_video *video, lf_error *err)
 {
@@ -406,8 +410,7 @@ static lf_status write_film(job *j, int width, int height, lf_error *err)
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- report --
- */
+/* ----------------------------------------------------------------------------------- report -- */
 
 static const char *const edges[] = {"left", "right", "top", "bottom"};
 
@@ -521,8 +524,7 @@ static lf_status write_report(job *j, lf_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------------- all --
- */
+/* -------------------------------------------------------------------------------------- all -- */
 
 static lf_status run(job *j, int argc, char *const argv[], lf_error *err)
 {

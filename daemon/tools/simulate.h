@@ -14,10 +14,11 @@ typedef struct lf_simulate_options {
     const char *eye; /* "X,Y,D"; NULL: in front of the middle */
     bool has_stereo;
     lf_both_eyes stereo;
-    double eyes_mm; /* from eye to eye */
-    int width;      /* of the picture; 0: one pixel per lens */
-    bool marks;     /* mark parallax and what the edge cuts */
-    bool untrimmed; /* with bleed and marks */
+    double eyes_mm;    /* from eye to eye */
+    int width;         /* of the picture; 0: one pixel per lens */
+    bool marks;        /* mark parallax and what the edge cuts */
+    bool untrimmed;    /* with bleed and marks */
+    const char *first; /* the first of these options that was given */
 } lf_simulate_options;
 extern const lf_param lf_simulate_params[];
 
