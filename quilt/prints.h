@@ -208,8 +208,12 @@ typedef struct lf_print_shape {
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
+typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
+
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
 typedef struct lf_print_run {
+    lf_print_format format;
+    lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */
@@ -227,10 +231,16 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);
 
-/* Interlaces and streams the TIFF to tiff->fd (seekable, empty), then writes the manifest JSON. The
- * caller commits both, or abandons both on failure. Memory in addition to the views is a few MB;
- * BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date). The
- * manifest's sha256 is null if the TIFF's descriptor cannot be read back.
+/* Checks that the disk has room for the file, so that nobody renders in vain. A compressed file
+ * counts as a tenth of its raster. path: its name, in a folder that exists. print must have passed
+ * lf_print_check. LF_E_IO: it does not fit. */
+LF_NODISCARD lf_status lf_print_check_room(const lf_print *print, lf_print_format format,
+                                           const char *path, lf_error *err);
+
+/* Interlaces and streams the TIFF or PDF to tiff->fd (seekable, empty), then writes the manifest
+ * JSON. The caller commits both, or abandons both on failure. Memory in addition to the views is a
+ * few MB; BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date).
+ * The manifest's sha256 is null if the TIFF's descriptor cannot be read back.
  *
  * Views of the shape's size are used unchanged. Others are resampled (by area to a smaller size,
  * linearly to a larger one), which the manifest records. views->n_views may differ from

@@ -1,4 +1,4 @@
-/* Lenticular prints: their views, and the TIFF with its manifest. */
+/* Lenticular prints: their views, and the TIFF or PDF with its manifest. */
 #include <math.h>
 #include <string.h>
 
@@ -86,9 +86,16 @@ char *output_print_file(const char *path, int i)
     return i == 0 ? lf_strdup(path) : manifest_path(path);
 }
 
+lf_print_format lf_output_print_format(const char *path)
+{
+    return lf_path_has_ending(path, ".pdf") ? LF_PRINT_PDF : LF_PRINT_TIFF;
+}
+
 lf_print_run output_print_run(const lf_output_request *request)
 {
-    return (lf_print_run){.settings = request->settings,
+    return (lf_print_run){.format = lf_output_print_format(request->path),
+                          .pool = request->pool,
+                          .settings = request->settings,
                           .cancel = request->cancel,
                           .progress = request->progress,
                           .context = request->context};
@@ -130,7 +137,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
 }
 
-const char *const output_print_endings[] = {".tif", ".tiff", NULL};
+const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};
 
 const lf_output_kind lf_output_print = {.name = "print",
                                         .what = "a print",

@@ -402,7 +402,7 @@ static lf_status check_manifest(const lf_output_kind *kind, const char *print, c
         if (!json_object_get(there, "quiltd_print"))
             status = lf_error_set(
                 err, LF_E_ARG, path,
-                "exists and is not a print manifest; choose another name for the TIFF file");
+                "exists and is not a print manifest; choose another name for the print");
         json_decref(there);
     }
     lf_free(path);
@@ -419,6 +419,8 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
+    if (status == LF_OK && a->kind->check_print && !a->plan)
+        status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
 
@@ -600,8 +602,8 @@ static lf_status open_profiles(lf_rendering *r, lf_error *err)
     r->asked = a->print;
     if (!a->kind->check_print)
         return LF_OK;
-    lf_status status =
-        lf_profiles_open(&a->profiles, NULL, &a->given, &r->asked, &r->profiles, err);
+    lf_status status = lf_profiles_open(&a->of_print.profiles, NULL, &a->of_print.given, &r->asked,
+                                        &r->profiles, err);
     if (status != LF_OK)
         return status;
     for (size_t at = 0; lf_image_notes_next(&r->profiles.told.lines, &at, line, sizeof line);)

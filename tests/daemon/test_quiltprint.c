@@ -58,7 +58,7 @@ static int set_up(void **state)
 {
     char *folder = lf_test_folder();
     char source[PATH_MAX];
-    assert_non_null(realpath(lf_test_source("profiles"), source));
+    assert_non_null(realpath(lf_test_source("quilt/profiles"), source));
     setenv("XDG_CONFIG_HOME", folder, 1);
     setenv("QUILTD_PROFILES", source, 1);
     *state = folder;

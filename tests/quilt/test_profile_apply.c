@@ -342,7 +342,7 @@ static void shipped_profiles_are_whole_and_consistent(void **state)
     int n = 0, n_lenses = 0, n_both = 0;
     (void)state;
     unsetenv("XDG_CONFIG_HOME");
-    setenv("QUILTD_PROFILES", lf_test_source("profiles"), 1);
+    setenv("QUILTD_PROFILES", lf_test_source("quilt/profiles"), 1);
     setenv("HOME", "/nonexistent", 1);
     lf_assert_ok(lf_profile_list(LF_PROFILE_PRINTER, &entries, &n, &err), &err);
     assert_true(n >= 5);
