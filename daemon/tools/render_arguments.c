@@ -181,8 +181,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
     a->depth.inverts |= is_inversion;
     if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
         a->depth.option = row->option;
-    if (params == lf_simulate_params && !a->simulate.first)
-        a->simulate.first = row->option;
+    if (params == lf_simulate_params && !a->of_print.simulate.first)
+        a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -459,9 +459,9 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
-    if (a->simulate.first) {
+    if (a->of_print.simulate.first) {
         char where[64];
-        snprintf(where, sizeof where, "--%s", a->simulate.first);
+        snprintf(where, sizeof where, "--%s", a->of_print.simulate.first);
         return lf_error_set(err, LF_E_ARG, where, "needs --simulate and a finished print");
     }
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
@@ -512,7 +512,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
                                      {lf_profile_params, NULL, &a->of_print.profiles},
-                                     {lf_simulate_params, NULL, &a->simulate},
+                                     {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},

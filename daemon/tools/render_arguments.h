@@ -27,9 +27,10 @@ typedef struct lf_depth_arguments {
 
 /* Options of prints, besides those of lf_print. */
 typedef struct lf_print_arguments {
-    lf_profile_names profiles; /* --lens and --printer */
-    lf_print_given given;      /* keys of lf_print that options gave */
-    const char *option;        /* the first option that needs --print or --chart */
+    lf_profile_names profiles;    /* --lens and --printer */
+    lf_print_given given;         /* keys of lf_print that options gave */
+    const char *option;           /* the first option that needs --print or --chart */
+    lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
 } lf_print_arguments;
 
 /* The parsed command line. */
@@ -57,8 +58,7 @@ typedef struct lf_render_arguments {
     const char *rgbd_option;  /* the first option that needs --rgbd */
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
-    lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
-    lf_frames frames;             /* checked */
+    lf_frames frames; /* checked */
     lf_video_options video;
     bool has_codec, has_fps;
     const char *video_option; /* the first option that needs a video */

@@ -68,7 +68,7 @@ typedef struct job {
     const lf_cancel *cancel;
 } job;
 
-/* ----------------------------------------------------------------------------- command line -- */
+/* ------------------------------------------------------------------------------ command line -- */
 
 bool lf_simulate_is_wanted(int argc, char *const argv[])
 {
@@ -178,7 +178,7 @@ static lf_status take_eye(job *j, lf_error *err)
     return status;
 }
 
-/* ---------------------------------------------------------------------------------- opening -- */
+/* ----------------------------------------------------------------------------------- opening -- */
 
 /* The manifest first, then profiles, then what the command line has. */
 static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
@@ -248,7 +248,7 @@ static void close_job(job *j)
     json_decref(j->manifest);
 }
 
-/* ----------------------------------------------------------------------------------- images -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 static lf_status see(job *j, const lf_eye *eye, int width, int height, lf_image32 *out,
                      lf_error *err)
@@ -356,7 +356,7 @@ static lf_status write_picture(job *j, int width, int height, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------- film -- */
+/* -------------------------------------------------------------------------------------- film -- */
 
 static lf_status see_film(job *j, int width, int height, lf_video *video, lf_error *err)
 {
@@ -410,7 +410,7 @@ static lf_status write_film(job *j, int width, int height, lf_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- report -- */
+/* ------------------------------------------------------------------------------------ report -- */
 
 static const char *const edges[] = {"left", "right", "top", "bottom"};
 
@@ -524,7 +524,7 @@ static lf_status write_report(job *j, lf_error *err)
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- all -- */
+/* --------------------------------------------------------------------------------------- all -- */
 
 static lf_status run(job *j, int argc, char *const argv[], lf_error *err)
 {

@@ -87,7 +87,7 @@ static void what_is_not_known_is_assumed_in_words(void **state)
     lf_assert_close(lf_proof_view_range(&sheet, 500), 25.4 / 60 * 1.56 * 500 / 0.6, 1e-9, 0);
 }
 
-/* --------------------------------------------------------------------------------- parallax -- */
+/* ---------------------------------------------------------------------------------- parallax -- */
 
 typedef struct scene {
     double shift; /* of all points, lenses from view to view */
