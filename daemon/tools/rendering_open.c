@@ -208,7 +208,7 @@ lf_render_settings lf_rendering_in_lenses(const lf_rendering *r)
 {
     lf_render_settings settings = r->settings;
     if (r->print.frame_ppi > 0)
-        settings.width = (int)fmax(1, lround(settings.width * r->print.lpi / r->print.frame_ppi));
+        settings.width = (int)fmax(1, round(settings.width * r->print.lpi / r->print.frame_ppi));
     return settings;
 }
 
