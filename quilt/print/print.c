@@ -7,6 +7,7 @@
 #include "base/alloc.h"
 #include "quilt/print/flip.h"
 #include "quilt/print/marks.h"
+#include "quilt/print/relief.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
 
@@ -123,11 +124,13 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
-    const lf_status optics = check_optics(print, err);
-    if (optics != LF_OK)
-        return optics;
-    const lf_status sheet = check_sheet(print, err);
-    return sheet != LF_OK ? sheet : check_views(print, out_warning, err);
+    lf_relief relief;
+    lf_status parts = check_optics(print, err);
+    if (parts == LF_OK)
+        parts = check_sheet(print, err);
+    if (parts == LF_OK && print->relief)
+        parts = lf_relief_of(print, &relief, err);
+    return parts != LF_OK ? parts : check_views(print, out_warning, err);
 }
 
 /* A micro sheet shows all views that there are, if they are fewer than it could. */
@@ -520,10 +523,9 @@ static void page_finish(page *p)
     lf_sheet_finish(&p->sheet);
 }
 
-static lf_status write_raster(page *p, const lf_print_run *run, int rows_per_strip,
-                              lf_outfile *tiff, lf_error *err)
+static lf_status write_raster(page *p, const lf_print_run *run, const char *description,
+                              int rows_per_strip, lf_outfile *tiff, lf_error *err)
 {
-    char description[160], dpi[48];
     void *contexts[LF_PRINT_MAX_HANDS];
     for (int i = 0; i < p->n_jobs; i++)
         contexts[i] = &p->jobs[i];
@@ -536,13 +538,33 @@ static lf_status write_raster(page *p, const lf_print_run *run, int rows_per_str
                                 .hands = contexts,
                                 .n_hands = p->n_jobs,
                                 .sheet = &p->sheet};
-    snprintf(description, sizeof description,
-             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
-             p->print->n_views, p->print->lpi, lf_print_dpi_text(p->print, dpi, sizeof dpi));
     return lf_print_page_write(&file, p->colour, run, rows_per_strip, tiff, err);
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
+
+static lf_status write_relief(const lf_print *print, const lf_print_run *run, lf_relief *out,
+                              lf_error *err)
+{
+    const lf_status status = lf_relief_of(print, out, err);
+    if (status != LF_OK)
+        return status;
+    return run->relief ? lf_relief_write(out, run, run->relief, err)
+                       : lf_error_set(err, LF_E_ARG, "print", "a relief needs a file of its own");
+}
+
+static lf_status check_given(const lf_print *print, const lf_views32 *views, const char **warning,
+                             lf_error *err)
+{
+    lf_status status = lf_print_check(print, warning, err);
+    if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
+        status = lf_error_set(err, LF_E_ARG, "print", "no views");
+    if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
+        status = lf_error_set(
+            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
+            views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
+    return status;
+}
 
 lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                 const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
@@ -550,27 +572,49 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
 {
     page p = {.print = print};
     lf_tone *tone = NULL;
+    lf_relief relief;
     lf_print_facts facts = {
         .print = print, .shape = &p.shape, .sheet = &p.sheet, .source = &p.source, .run = run};
-    lf_status status = lf_print_check(print, &facts.warning, err);
-    if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
-        status = lf_error_set(err, LF_E_ARG, "print", "no views");
-    if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
-        status = lf_error_set(
-            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
-            views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
+    char description[160], dpi[48];
+    lf_status status = check_given(print, views, &facts.warning, err);
     if (status == LF_OK)
         status = lf_flip_check(print, views->n_views, "print", err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
+    snprintf(description, sizeof description,
+             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
+             print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
     status = page_init(&p, views, tone, lf_print_hands(run), err);
+    if (status == LF_OK && print->relief) {
+        status = write_relief(print, run, &relief, err);
+        facts.relief = &relief;
+    }
     if (status == LF_OK)
-        status = write_raster(&p, run, rows_per_strip, tiff, err);
+        status = write_raster(&p, run, description, rows_per_strip, tiff, err);
     facts.colour = p.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
+    page_finish(&p);
+    lf_tone_destroy(tone);
+    return status;
+}
+
+lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
+                               const lf_print_run *run, const char *description, lf_outfile *tiff,
+                               lf_error *err)
+{
+    page p = {.print = print};
+    lf_tone *tone = NULL;
+    lf_status status = check_given(print, view, NULL, err);
+    if (status == LF_OK)
+        status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
+    if (status != LF_OK)
+        return status;
+    status = page_init(&p, view, tone, lf_print_hands(run), err);
+    if (status == LF_OK)
+        status = write_raster(&p, run, description, 0, tiff, err);
     page_finish(&p);
     lf_tone_destroy(tone);
     return status;
