@@ -141,7 +141,8 @@ static void mistakes_are_told_in_one_line(void **state)
         const char *line, *words;
     } of[] = {
         {"", "COMMAND: is missing"},
-        {"nothing", "unknown command"},
+        {"nothing", "unknown command; see --help"},
+        {"calibrat", "unknown command; did you mean calibrate?"},
         {"list sheets", "expects lenses, printers or nothing"},
         {"show", "expected [lens|printer] NAME"},
         {"show sheet acme", "expected [lens|printer] NAME"},
