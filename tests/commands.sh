@@ -21,7 +21,7 @@ trap 'stop_daemon; rm -rf "$top"' EXIT
 smaller() {
     cat << 'END'
 #!/bin/bash
-case " $* " in *' --chart '*) exec "$PROGRAMS/quiltrender" "$@" ;; esac
+case " $* " in *' --chart '* | *' --simulate '*) exec "$PROGRAMS/quiltrender" "$@" ;; esac
 program=${0##*/} option='' length='' size='' device='' arguments=()
 for word in "$@"; do
     case $option in

@@ -206,16 +206,27 @@ static bool is_alone(const lf_rendering *r)
     return !lf_path_has_ending(r->arguments->scene, ".json");
 }
 
+lf_render_settings lf_rendering_in_lenses(const lf_rendering *r)
+{
+    lf_render_settings settings = r->settings;
+    if (r->print.frame_ppi > 0)
+        settings.width = (int)fmax(1, round(settings.width * r->print.lpi / r->print.frame_ppi));
+    return settings;
+}
+
 /* A file without a scene has no cone: for a print it is as wide as lenses show sharply. */
 static void narrow_cone(lf_rendering *r)
 {
     lf_camera *camera = &r->settings.camera;
     const double before = camera->cone;
     lf_depth depth;
-    for (int i = 0; i < 8 && lf_scene_depth(r->scene, &r->settings, &depth) &&
-                    lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT);
-         i++)
+    for (int i = 0; i < 8; i++) {
+        const lf_render_settings in_lenses = lf_rendering_in_lenses(r);
+        if (!lf_scene_depth(r->scene, &in_lenses, &depth) ||
+            !lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT))
+            break;
         camera->cone *= 0.98 / lf_depth_shift(&depth);
+    }
     if (camera->cone < before && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_INFO,
                "%s: the view cone is %.1f degrees instead of %.0f, so that the lenses show all of "
@@ -421,7 +432,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
-    if (status == LF_OK && a->kind->check_print && !a->plan)
+    if (status == LF_OK && a->kind->check_print && a->kind->n_files > 0 && !a->plan)
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }

@@ -6,6 +6,7 @@
 
 #include "base/alloc.h"
 #include "quilt/print/marks.h"
+#include "quilt/print/relief.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
 
@@ -111,7 +112,10 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
-    const lf_status optics = check_optics(print, err);
+    lf_relief relief;
+    lf_status optics = check_optics(print, err);
+    if (optics == LF_OK && print->relief)
+        optics = lf_relief_of(print, &relief, err);
     return optics != LF_OK ? optics : check_views(print, out_warning, err);
 }
 
@@ -415,10 +419,9 @@ static void draw_row(void *context, int y, float *row)
         vertical_row(h, y, row);
 }
 
-static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
-                              lf_error *err)
+static lf_status write_raster(job *j, const lf_print_run *run, const char *description,
+                              int rows_per_strip, lf_outfile *tiff, lf_error *err)
 {
-    char description[160], dpi[48];
     hand hands[LF_PRINT_MAX_HANDS];
     void *contexts[LF_PRINT_MAX_HANDS];
     lf_status status = LF_OK;
@@ -428,9 +431,6 @@ static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_stri
                           .description = description,
                           .draw = draw_row,
                           .hands = contexts};
-    snprintf(description, sizeof description,
-             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
-             j->print->n_views, j->print->lpi, lf_print_dpi_text(j->print, dpi, sizeof dpi));
     while (page.n_hands < lf_print_hands(run) && status == LF_OK) {
         status = hand_init(&hands[page.n_hands], j);
         contexts[page.n_hands] = &hands[page.n_hands];
@@ -447,37 +447,87 @@ static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_stri
 
 /* --------------------------------------------------------------------------------------- all -- */
 
-lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
-                                const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
-                                lf_outfile *manifest, lf_error *err)
+static lf_status write_relief(const lf_print *print, const lf_print_run *run, lf_relief *out,
+                              lf_error *err)
 {
-    job j = {.print = print};
-    lf_tone *tone = NULL;
-    lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
-    lf_status status = lf_print_check(print, &facts.warning, err);
+    const lf_status status = lf_relief_of(print, out, err);
+    if (status != LF_OK)
+        return status;
+    return run->relief ? lf_relief_write(out, run, run->relief, err)
+                       : lf_error_set(err, LF_E_ARG, "print", "a relief needs a file of its own");
+}
+
+static lf_status check_given(const lf_print *print, const lf_views32 *views, const char **warning,
+                             lf_error *err)
+{
+    lf_status status = lf_print_check(print, warning, err);
     if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
         status = lf_error_set(err, LF_E_ARG, "print", "no views");
     if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
         status = lf_error_set(
             err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
             views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
+    return status;
+}
+
+/* Call job_finish also after a failure. */
+static lf_status job_start(job *j, const lf_views32 *views, const lf_tone *tone, lf_error *err)
+{
+    lf_print_shape_of(j->print, &j->shape);
+    j->marks = lf_marks_of(j->print, &j->shape);
+    lf_status status = lf_print_colour_create(j->print, &j->colour, err);
+    if (status != LF_OK)
+        return status;
+    status = job_init(j, views, tone);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
+}
+
+lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
+                                const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
+                                lf_outfile *manifest, lf_error *err)
+{
+    job j = {.print = print};
+    lf_tone *tone = NULL;
+    lf_relief relief;
+    lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
+    char description[160], dpi[48];
+    lf_status status = check_given(print, views, &facts.warning, err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    lf_print_shape_of(print, &j.shape);
-    j.marks = lf_marks_of(print, &j.shape);
-    status = lf_print_colour_create(print, &j.colour, err);
-    if (status == LF_OK) {
-        status = job_init(&j, views, tone);
-        if (status != LF_OK)
-            lf_error_set(err, status, "print", "out of memory");
+    status = job_start(&j, views, tone, err);
+    if (status == LF_OK && print->relief) {
+        status = write_relief(print, run, &relief, err);
+        facts.relief = &relief;
     }
+    snprintf(description, sizeof description,
+             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
+             print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
     if (status == LF_OK)
-        status = write_raster(&j, run, rows_per_strip, tiff, err);
+        status = write_raster(&j, run, description, rows_per_strip, tiff, err);
     facts.colour = j.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
+    job_finish(&j);
+    lf_tone_destroy(tone);
+    return status;
+}
+
+lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
+                               const lf_print_run *run, const char *description, lf_outfile *tiff,
+                               lf_error *err)
+{
+    job j = {.print = print};
+    lf_tone *tone = NULL;
+    lf_status status = check_given(print, view, NULL, err);
+    if (status == LF_OK)
+        status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
+    if (status != LF_OK)
+        return status;
+    status = job_start(&j, view, tone, err);
+    if (status == LF_OK)
+        status = write_raster(&j, run, description, 0, tiff, err);
     job_finish(&j);
     lf_tone_destroy(tone);
     return status;

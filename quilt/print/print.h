@@ -174,7 +174,8 @@ typedef struct lf_print_page {
 /* How many hands a page can use in this run: 1..LF_PRINT_MAX_HANDS. */
 int lf_print_hands(const lf_print_run *run);
 
-/* Writes a whole page as run->format says. The bytes do not depend on the hands. rows_per_strip 0 =
+/* Writes a whole page as run->format says. colour NULL: a TIFF of 16-bit grey; rows are then
+ * [width], 0..1, and are not mirrored. The bytes do not depend on the hands. rows_per_strip 0 =
  * chosen from the row's size. LF_E_ARG (the page is too large for PDF), LF_E_IO (also: no room on
  * the disk, checked first), LF_E_NOMEM, LF_E_CANCELLED. */
 LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *colour,
@@ -239,6 +240,7 @@ typedef struct lf_print_facts {
     const lf_print_run *run;
     const char *warning; /* may be NULL */
     json_t *chart;       /* description of a chart, ownership taken; NULL for a picture */
+    const struct lf_relief *relief; /* NULL: none */
 } lf_print_facts;
 
 /* LF_E_IO, LF_E_NOMEM. */
@@ -251,5 +253,14 @@ LF_NODISCARD lf_status lf_print_manifest_write(const lf_print_facts *facts, cons
 LF_NODISCARD lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                              const lf_print_run *run, int rows_per_strip,
                                              lf_outfile *tiff, lf_outfile *manifest, lf_error *err);
+
+/* One view as an upright picture of a print without lenses, without a manifest (frame_set.c). */
+LF_NODISCARD lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
+                                            const lf_print_run *run, const char *description,
+                                            lf_outfile *tiff, lf_error *err);
+
+/* The SHA-256 and the size of a file that was written, as {name, bytes, sha256}; nulls if it cannot
+ * be read back. */
+json_t *lf_print_file_json(const lf_outfile *file);
 
 #endif

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "quilt/print/print.h"
+#include "quilt/print/relief.h"
 
 /* Aspects closer than this are equal: file names round them. */
 #define SAME_ASPECT 1e-3
@@ -137,6 +137,9 @@ static double scale_along(const lf_print *print, const lf_views32 *views,
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes)
 {
     lf_print_shape shape;
+    lf_relief relief;
+    if (print->relief && lf_relief_of(print, &relief, NULL) == LF_OK)
+        lf_relief_note(&relief, notes);
     lf_print_shape_of(print, &shape);
     if (views->width == shape.view_width && views->height == shape.view_height)
         return;

@@ -8,6 +8,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/server/methods.h"
+#include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
 /* A manual page without roff's backslashes, quotes and font letters, as it would be read. */
@@ -175,6 +176,7 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_find(lf_integrator_params(), option) &&
             !lf_param_find(lf_standing_params, option) &&
+            !lf_param_find(lf_simulate_params, option) &&
             !lf_param_among(&own, "passes spp time state state-info stats plan help completion"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -204,6 +206,8 @@ static void every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltre
     for (const lf_param *row = lf_frames_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     for (const lf_param *row = lf_video_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
+    for (const lf_param *row = lf_simulate_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     lf_free(page);
 }
