@@ -27,8 +27,10 @@ lf_marks lf_marks_of(const lf_print *print, const lf_print_shape *shape)
         .horizontal = print->horizontal,
         .right = 25.4 / print->dpi,
         .down = 25.4 / lf_print_dpi_down(print),
-        .pitch = 25.4 / print->lpi,
+        .pitch = 25.4 / print->lpi / lf_print_cos(print),
         .phase = print->phase_mm,
+        .is_straight = lf_print_is_separable(print),
+        .lens = lf_lens_of_print(print),
         .trim_across = 0.5 * across,
         .trim_along = 0.5 * along,
         .bleed_across = 0.5 * across + print->bleed_mm,
@@ -60,17 +62,26 @@ static bool within(double x, double from, double to)
     return x >= from && x < to;
 }
 
-/* Ink beyond the ends of the lenses; out: distance from the bleed. */
-static double end_ink(const lf_marks *marks, double across, double out)
+/* The axis of lens 0 on a line along the edge, if the pitch were everywhere what it is here. */
+static double axis_at(const lf_marks *marks, double across, double along)
 {
+    if (marks->is_straight)
+        return marks->phase;
+    const double phase = marks->horizontal ? lf_lens_phase(&marks->lens, along, across, 0)
+                                           : lf_lens_phase(&marks->lens, across, along, 0);
+    return across - phase * marks->pitch;
+}
+
+/* Ink beyond the ends of the lenses; out: distance from the bleed. */
+static double end_ink(const lf_marks *marks, double across, double along, double out)
+{
+    const double axis = axis_at(marks, across, along);
     if (within(out, STRIP_FROM, STRIP_TO) && fabs(across) < marks->trim_across - 1.0) {
-        const double lens =
-            marks->phase + marks->pitch * round((across - marks->phase) / marks->pitch);
+        const double lens = axis + marks->pitch * round((across - axis) / marks->pitch);
         return on_line(pixel_across(marks), across, lens, 0.25 * marks->pitch);
     }
-    return within(out, TICK_FROM, TICK_TO)
-               ? on_line(pixel_across(marks), across, marks->phase, LINE_MM)
-               : 0.0;
+    return within(out, TICK_FROM, TICK_TO) ? on_line(pixel_across(marks), across, axis, LINE_MM)
+                                           : 0.0;
 }
 
 /* Ink beyond the first or last lens. */
@@ -104,7 +115,7 @@ static double ink_at(const lf_marks *marks, double across, double along)
     const double beyond = fabs(along) - marks->bleed_along;
     const double ink = crop_ink(marks, across, along);
     if (beyond > 0.0 && beside <= 0.0)
-        return fmax(ink, end_ink(marks, across, beyond));
+        return fmax(ink, end_ink(marks, across, along, beyond));
     if (beside > 0.0 && beyond <= 0.0)
         return fmax(ink, side_ink(marks, beside, along));
     return ink;

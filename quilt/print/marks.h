@@ -12,19 +12,23 @@
  *   cross 5 wide with a ring of radius 1.5.
  * - At every corner, 1 to 6: lines on the trim edges.
  *
+ * Slanted lenses: strips and ticks follow the lenses, with the phase that the map gives them.
+ *
  * Lines are 0.2 wide. */
 #ifndef LF_QUILT_MARKS_H
 #define LF_QUILT_MARKS_H
 
-#include "quilt/prints.h"
+#include "quilt/lens.h"
 
 #define LF_MARKS_MM 8.0
 
 typedef struct lf_marks {
     int width, height, margin_px, margin_down_px; /* size and margin of the file */
     bool horizontal;
-    double right, down;               /* size of a pixel in mm */
-    double pitch, phase;              /* mm */
+    double right, down;  /* size of a pixel in mm */
+    double pitch, phase; /* mm, along the edge */
+    bool is_straight;    /* all lenses are alike along the print */
+    lf_lens lens;
     double trim_across, trim_along;   /* from the middle to the trim edge, mm */
     double bleed_across, bleed_along; /* from the middle to the edge of the bleed */
 } lf_marks;
