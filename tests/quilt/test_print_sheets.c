@@ -8,8 +8,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---------------------------------------------------------------------------------- the phase --
- */
+/* --------------------------------------------------------------------------------- the phase -- */
 
 static void the_phase_of_a_panel_gives_its_views(void **state)
 {
@@ -79,8 +78,7 @@ static void both_maps_agree_in_the_middle(void **state)
     assert_true(fabs(lf_lens_phase(&exact, 300, 0, 0) - lf_lens_phase(&uniform, 300, 0, 0)) > 0.05);
 }
 
-/* -------------------------------------------------------------------------------- the weights --
- */
+/* ------------------------------------------------------------------------------- the weights -- */
 
 static void a_share_is_the_area_of_the_pixel_below_a_line(void **state)
 {
@@ -103,8 +101,7 @@ static void a_share_is_the_area_of_the_pixel_below_a_line(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------ samples --
- */
+/* ----------------------------------------------------------------------------------- samples -- */
 
 static lf_print slanted_print(void)
 {
@@ -212,8 +209,7 @@ static void samples_reach_every_lens(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------- refused --
- */
+/* ----------------------------------------------------------------------------------- refused -- */
 
 static void assert_refused(const lf_print *print, const char *words)
 {
@@ -317,8 +313,7 @@ static void the_manifest_tells_the_sheet(void **state)
     lf_printed_finish(&printed);
 }
 
-/* -------------------------------------------------------------------------------- any options --
- */
+/* ------------------------------------------------------------------------------- any options -- */
 
 static double any_of(const double *values, size_t n, uint32_t *random)
 {
