@@ -333,6 +333,8 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
         a->kind = &lf_output_print; /* --print is not needed: profiles give pitch and raster */
     else
         status = kind_of_ending(a->out, &a->kind, err);
+    if (status == LF_OK && a->kind == &lf_output_print && a->print.frame_ppi > 0)
+        a->kind = &lf_output_frame_set;
     if (status == LF_OK && a->kind->is_drawn && !a->asked_too)
         status = refuse_rendering(a, err);
     if (status == LF_OK)

@@ -95,6 +95,22 @@ static void every_option_of_a_print_stands_in_the_manual_of_quiltrender(void **s
     lf_free(guide);
 }
 
+static void every_key_of_a_profile_stands_in_the_manual_of_quiltprint(void **state)
+{
+    (void)state;
+    char *page = read_page("docs/man/quiltprint.1");
+    const lf_param *const tables[] = {lf_profile_rows(LF_PROFILE_LENS),
+                                      lf_profile_rows(LF_PROFILE_PRINTER), lf_calibration_rows};
+    char name[64];
+    for (int i = 0; i < 3; i++)
+        for (const lf_param *row = tables[i]; row->name; row++) {
+            snprintf(name, sizeof name, " %s", row->name);
+            if (!strstr(page, name))
+                fail_msg("%s is missing", row->name);
+        }
+    lf_free(page);
+}
+
 static void every_shared_option_stands_in_the_manuals(void **state)
 {
     (void)state;
@@ -317,6 +333,7 @@ int main(void)
     lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_option_of_a_print_stands_in_the_manual_of_quiltrender),
+        cmocka_unit_test(every_key_of_a_profile_stands_in_the_manual_of_quiltprint),
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),
         cmocka_unit_test(every_option_of_photos_stands_in_the_manuals),
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),

@@ -200,7 +200,7 @@ static void programs_of_others_read_it(void **state)
     lf_card_finish(&card);
 }
 
-/* ---------------------------------------------------------------------------------- threads -- */
+/* ----------------------------------------------------------------------------------- threads -- */
 
 static void assert_same_bytes(const char *a, const char *b)
 {
@@ -250,8 +250,7 @@ static void the_bytes_are_those_of_one_thread(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------- limits --
- */
+/* ------------------------------------------------------------------------------------ limits -- */
 
 static lf_status try_to_write(const lf_print *print, const lf_print_run *run, const char *folder,
                               lf_error *err)
