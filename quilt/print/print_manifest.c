@@ -323,7 +323,7 @@ static json_t *relief_part(const lf_print_facts *facts)
 /* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
-    return json_pack("{s:o, s:o, s:o, s:o*, s:o}", "lens",
+    return json_pack("{s:o, s:o, s:o, s:o*, s:o*}", "lens",
                      lens_part(facts->print, facts->shape, options), "stripes",
                      stripe_part(facts->print, options), "source", source_part(facts), "relief",
                      relief_part(facts), "sheet", sheet_part(facts));
