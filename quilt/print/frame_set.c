@@ -94,6 +94,8 @@ static lf_status write_frames(const lf_print *print, const lf_print *frame, cons
     frames f = {.print = print, .run = run};
     lf_print_run each = *run;
     lf_status status = LF_OK;
+    double ink = 0.0, most = 0.0;
+    each.out_ink = &ink;
     each.format = LF_PRINT_TIFF;
     each.progress = on_progress;
     each.context = &f;
@@ -103,7 +105,10 @@ static lf_status write_frames(const lf_print *print, const lf_print *frame, cons
         snprintf(description, sizeof description, "frame %d of %d, %s; not interlaced", f.i + 1,
                  print->n_views, place_of(print, f.i, place));
         status = lf_print_write_frame(frame, &view, &each, description, &files[f.i], err);
+        most = fmax(most, ink);
     }
+    if (run->out_ink)
+        *run->out_ink = most;
     return status;
 }
 

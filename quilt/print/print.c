@@ -504,8 +504,12 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
     snprintf(description, sizeof description,
              "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
              print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
+    lf_print_run measured = *run;
+    measured.out_ink = &facts.ink;
     if (status == LF_OK)
-        status = write_raster(&j, run, description, rows_per_strip, tiff, err);
+        status = write_raster(&j, &measured, description, rows_per_strip, tiff, err);
+    if (run->out_ink)
+        *run->out_ink = facts.ink;
     facts.colour = j.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
