@@ -172,8 +172,7 @@ const lf_output_kind lf_output_print = {.name = "print",
                                         .file_name = output_print_file,
                                         .write = write_files};
 
-/* ------------------------------------------------------------------------------------- frames --
- */
+/* ------------------------------------------------------------------------------------ frames -- */
 
 static char *frame_file(const char *folder, int i)
 {

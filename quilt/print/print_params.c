@@ -25,8 +25,7 @@ static const char *const bits[] = {"8", "16", NULL};
 /* clang-format off */
 const lf_param lf_print_params[] = {
     {.name = "lpi", .option = "print", .joined = "@", LPI, .required = true,
-     .help = "write a lenticular print to OUT.tif or OUT.pdf; LPI is the visual pitch, e.g. "
-             "60.13@600 or 60.13@720x1440",
+     .help = "write a lenticular print to OUT.tif or OUT.pdf; LPI: visual pitch, e.g. 60.13@600",
      .about = "print: measured visual pitch of the lens sheet; chart: pitch in its middle"},
     {.name = "dpi", .option = "print", DPI, .initial = 600,
      .about = "resolution of the printer; \"XxY\": across and down the page"},
