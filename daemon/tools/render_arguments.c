@@ -51,6 +51,7 @@ static void print_help(void)
 {
     printf("Usage: quiltrender SCENE -o OUT [options]\n"
            "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+           "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
            "       quiltrender --state-info FILE\n"
            "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
            "folder of views.\n"
@@ -81,6 +82,8 @@ static void print_help(void)
            "least one\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-denoised-error");
+    printf("\nA finished print, seen through its sheet (with --print and the options after it):\n");
+    lf_param_print_help(lf_simulate_params, NULL);
     printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
@@ -178,6 +181,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
     a->depth.inverts |= is_inversion;
     if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
         a->depth.option = row->option;
+    if (params == lf_simulate_params && !a->of_print.simulate.first)
+        a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -456,6 +461,11 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
+    if (a->of_print.simulate.first) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->of_print.simulate.first);
+        return lf_error_set(err, LF_E_ARG, where, "needs --simulate and a finished print");
+    }
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");
     if (optind + 1 < argc)
@@ -504,6 +514,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
                                      {lf_profile_params, NULL, &a->of_print.profiles},
+                                     {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},

@@ -87,7 +87,7 @@ static void make_strip(void *context, int item, int worker)
     (void)worker;
     for (int r = 0; r < h->strip.n_rows; r++) {
         w->page->draw(h->context, h->y + r, h->row);
-        if (w->page->print->mirror)
+        if (w->page->print->mirror && w->colour)
             mirror_row(h->row, w->page->width);
         unsigned char *out = h->strip.data + (size_t)r * w->row_bytes;
         if (w->colour)
