@@ -245,6 +245,7 @@ typedef struct lf_print_run {
     lf_print_format format;
     lf_outfile *relief;  /* of a print with relief, empty; the caller commits or abandons it */
     lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
+    double *out_ink;     /* CMYK: the densest pixel, the sum of its inks in percent; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */
