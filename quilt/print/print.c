@@ -597,8 +597,12 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
         status = write_relief(print, run, &relief, err);
         facts.relief = &relief;
     }
+    lf_print_run measured = *run;
+    measured.out_ink = &facts.ink;
     if (status == LF_OK)
-        status = write_raster(&p, run, description, rows_per_strip, tiff, err);
+        status = write_raster(&p, &measured, description, rows_per_strip, tiff, err);
+    if (run->out_ink)
+        *run->out_ink = facts.ink;
     facts.colour = p.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);

@@ -315,12 +315,13 @@ static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
     const void *profile = lf_print_colour_profile(facts->colour, &size);
     char hash[HEX_SIZE];
     hash_bytes(profile, size, hash);
-    return json_pack("{s:s, s:O, s:O, s:{s:s, s:s, s:I}}", "space",
-                     lf_print_colour_channels(facts->colour) == 4 ? "CMYK" : "RGB", "bits",
-                     json_object_get(options, "bits"), "compression",
+    const bool is_cmyk = lf_print_colour_channels(facts->colour) == 4;
+    return json_pack("{s:s, s:O, s:O, s:{s:s, s:s, s:I}, s:o*}", "space", is_cmyk ? "CMYK" : "RGB",
+                     "bits", json_object_get(options, "bits"), "compression",
                      json_object_get(options, "compress"), "profile", "name",
-                     lf_print_colour_name(facts->colour), "sha256", hash, "bytes",
-                     (json_int_t)size);
+                     lf_print_colour_name(facts->colour), "sha256", hash, "bytes", (json_int_t)size,
+                     "most_ink_percent",
+                     is_cmyk && facts->ink > 0.0 ? json_real(facts->ink) : NULL);
 }
 
 /* A line that may contain a file name, which may be any bytes. */

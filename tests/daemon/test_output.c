@@ -416,6 +416,10 @@ static void names_are_completed_and_contradictions_refused(void **state)
         {&lf_output_panel, "woven.exr", NULL},
         {&lf_output_print, "p.tif", "p.tif"},
         {&lf_output_print, "p.TIFF", "p.TIFF"},
+        {&lf_output_print, "p.pdf", "p.pdf"},
+        {&lf_output_chart, "p.pdf", "p.pdf"},
+        {&lf_output_frame_set, "p/", "p/"},
+        {&lf_output_frame_set, "p.tif", NULL},
         {&lf_output_print, "p.png", NULL},
     };
     const fixture *f = *state;
@@ -433,6 +437,14 @@ static void names_are_completed_and_contradictions_refused(void **state)
     char *manifest = lf_output_file_name(&lf_output_print, "a.b/print.tiff", 1);
     assert_string_equal(manifest, "a.b/print.json");
     lf_free(manifest);
+    char *relief = lf_output_file_name(&lf_output_print, "a.b/print.tiff", 2);
+    assert_string_equal(relief, "a.b/print_relief.tif");
+    lf_free(relief);
+    lf_print print = small_print();
+    assert_int_equal(lf_output_n_files(&lf_output_print, &print, 9), 2);
+    print.relief = true;
+    assert_int_equal(lf_output_n_files(&lf_output_print, &print, 9), 3);
+    assert_int_equal(lf_output_n_files(&lf_output_print, NULL, 9), 2);
     const lf_layout huge = {60, 60, 3600, 2000, 2000, 1};
     char *path = NULL;
     assert_int_equal(lf_output_path(&lf_output_quilt, "out.png", &huge, &path, NULL), LF_E_ARG);
