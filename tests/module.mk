@@ -162,7 +162,7 @@ portable_tests := base/test_alloc base/test_cpu base/test_status base/test_threa
  quilt/test_rects quilt/test_fill quilt/test_quilt_kernel render/test_kernel render/test_sampler
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc cpu status thread image)
-quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/%,$(quilt_srcs))
+quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/% quilt/chart/%,$(quilt_srcs))
 render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 papers_srcs :=
