@@ -1,0 +1,382 @@
+#include "quilt/chart/reading.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "quilt/chart/fringes.h"
+
+#define DIAGONAL_35MM 43.2666
+#define USUAL_INDEX 1.56
+/* thickness / index of sheets whose thickness is unknown, in pitches: viewing angles of 25 to 60
+ * degrees */
+#define REACH_LOW 0.85
+#define REACH_HIGH 2.25
+#define LEAST_PX_PER_MM 3.0
+#define LEAST_BAND_PX 8.0
+#define LEAST_EXPLAINED 0.75
+#define LEAST_CONTRAST 0.04
+#define MOST_CLIPPED 0.2
+#define MOST_SD_DISTANCE 0.15
+#define ASIDE_TOLD 0.1
+#define TURNED_CONTRAST 0.15
+
+/* State of reading a photo. */
+typedef struct reader {
+    const lf_chart_photo *photo;
+    const char *where;
+    lf_chart chart;
+    lf_chart_camera camera;
+    lf_chart_light light;
+    lf_chart_optics optics;
+    lf_chart_sheet sheet;
+} reader;
+
+/* -------------------------------------------------------------------------------------- camera -- */
+
+static double linear(double v)
+{
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+static uint8_t *grey_of(const lf_chart_photo *photo)
+{
+    const size_t n = (size_t)photo->width * (size_t)photo->height;
+    uint8_t *grey = lf_calloc(n, 1);
+    for (size_t i = 0; grey && i < n; i++) {
+        const uint8_t *p = photo->data + 3 * i;
+        grey[i] = (uint8_t)((p[0] + 2 * p[1] + p[2] + 2) / 4);
+    }
+    return grey;
+}
+
+static lf_status find_camera(reader *r, lf_error *err)
+{
+    const lf_chart_photo *photo = r->photo;
+    const double focal =
+        photo->focal_35mm / DIAGONAL_35MM * hypot(photo->width, photo->height);
+    const lf_chart_hint hint = {photo->width, photo->height, focal,
+                                focal > 0.0 ? 0.0 : photo->distance_mm};
+    lf_chart_corners corners;
+    uint8_t *grey = grey_of(photo);
+    if (!grey)
+        return lf_error_set(err, LF_E_NOMEM, r->where, "not enough memory for the photo");
+    const lf_chart_grey image = {photo->width, photo->height, grey};
+    lf_status status = lf_chart_find_tags(&r->chart, &image, r->where, &corners, err);
+    lf_free(grey);
+    if (status == LF_OK)
+        status = lf_chart_camera_fit(&corners, &hint, r->where, &r->camera, err);
+    if (status == LF_OK && !(r->camera.sd_distance < MOST_SD_DISTANCE))
+        return lf_error_set(err, LF_E_ARG, "--distance",
+                            "is needed: the photo has no focal length in its EXIF data, and was "
+                            "taken from straight in front");
+    return status;
+}
+
+static lf_status check_size(reader *r, lf_error *err)
+{
+    double a[2], b[2];
+    if (!lf_chart_project(&r->camera, -5.0, 0.0, &a[0], &a[1]) ||
+        !lf_chart_project(&r->camera, 5.0, 0.0, &b[0], &b[1]))
+        return lf_error_set(err, LF_E_FORMAT, r->where, "the chart is behind the camera");
+    r->light.px_per_mm = 0.1 * hypot(b[0] - a[0], b[1] - a[1]);
+    const double band = r->light.px_per_mm * r->chart.band_height;
+    if (r->light.px_per_mm < LEAST_PX_PER_MM || band < LEAST_BAND_PX)
+        return lf_error_set(err, LF_E_FORMAT, r->where,
+                            "the photo has %.2g pixels per mm and %.2g per band; expected %g and "
+                            "%g, so go closer or use more pixels",
+                            r->light.px_per_mm, band, LEAST_PX_PER_MM, LEAST_BAND_PX);
+    return LF_OK;
+}
+
+static void set_optics(reader *r)
+{
+    const lf_chart_photo *photo = r->photo;
+    const double pitch = 25.4 / r->chart.lpi;
+    r->optics =
+        (lf_chart_optics){.eye = {r->camera.eye[0], r->camera.eye[1]},
+                          .distance = -r->camera.eye[2],
+                          .thickness = photo->thickness_mm,
+                          .index = photo->index > 0.0 ? photo->index : USUAL_INDEX,
+                          .reach = 0.5 * (REACH_LOW + REACH_HIGH) * pitch};
+}
+
+/* -------------------------------------------------------------------------------------- refusal -- */
+
+static double patch_light(reader *r, lf_chart_group group, double from, double width)
+{
+    const lf_chart_place *place = &r->chart.groups[group];
+    const double height = lf_chart_group_height(&r->chart);
+    return place->present
+               ? lf_chart_light_at(&r->light, place->x + from + 0.45 * width,
+                                   place->y + 0.5 * height - 0.5 * r->chart.height, 0.6 * width,
+                                   0.6 * height)
+               : -1.0;
+}
+
+/* Lenses that run along the bands show the patches that are made for them. */
+static bool lenses_are_turned(reader *r)
+{
+    double cosine = 0.0, sine = 0.0, mean = 0.0, width;
+    for (int k = 0; k < 4; k++) {
+        const double from = lf_chart_pixel_patch_at(2 + k, &width);
+        const double light = patch_light(r, LF_CHART_PIXEL_PATCHES, from, width);
+        if (light < 0.0)
+            return false;
+        cosine += light * cos(0.5 * M_PI * k);
+        sine += light * sin(0.5 * M_PI * k);
+        mean += light;
+    }
+    return 2.0 * hypot(cosine, sine) > TURNED_CONTRAST * mean;
+}
+
+/* A file as it was written: black and white and nothing in between, seen from nowhere. */
+static bool is_the_file_itself(const reader *r)
+{
+    const lf_chart_photo *photo = r->photo;
+    int64_t n_pure = 0, n = 0;
+    for (size_t i = 0; i < (size_t)photo->width * (size_t)photo->height; i += 7, n++)
+        n_pure += photo->data[3 * i] <= 1 || photo->data[3 * i] >= 254;
+    return (double)n_pure > 0.35 * (double)n && r->camera.rms_px < 0.35;
+}
+
+static lf_status check_fit(reader *r, lf_error *err)
+{
+    const double clipped = (double)r->light.n_clipped / (double)(r->light.n_points + 1);
+    if (r->sheet.contrast >= LEAST_CONTRAST && clipped > MOST_CLIPPED)
+        return lf_error_set(err, LF_E_FORMAT, r->where,
+                            "the photo is overexposed: %.0f %% of the bands are white; take a "
+                            "darker one",
+                            100.0 * clipped);
+    if (r->sheet.contrast >= LEAST_CONTRAST && r->sheet.explained >= LEAST_EXPLAINED)
+        return LF_OK;
+    if (lenses_are_turned(r))
+        return lf_error_set(err, LF_E_FORMAT, r->where,
+                            "the lenses run along the bands; turn the sheet by 90 degrees");
+    if (clipped > MOST_CLIPPED && !is_the_file_itself(r))
+        return lf_error_set(err, LF_E_FORMAT, r->where,
+                            "the photo is overexposed; take a darker one");
+    if (r->sheet.contrast >= LEAST_CONTRAST)
+        return lf_error_set(err, LF_E_FORMAT, r->where,
+                            "the fringes are not those of one flat sheet of about this pitch (fit "
+                            "%.2f); use one sheet, flat, on all bands",
+                            r->sheet.explained);
+    if (is_the_file_itself(r))
+        return lf_error_set(err, LF_E_FORMAT, r->where,
+                            "this is an image of the chart's file; print it, lay the sheet on and "
+                            "take a photo");
+    return lf_error_set(err, LF_E_FORMAT, r->where,
+                        "there are no fringes; lay the lens sheet on the chart, lenses up");
+}
+
+/* ----------------------------------------------------------------------------------- crosstalk -- */
+
+/* Light of a code patch by the view that is seen there, in bins of one view. */
+typedef struct kernel {
+    double light[LF_CHART_CODES], weight[LF_CHART_CODES];
+} kernel;
+
+static void add_light(kernel *k, double view, double light)
+{
+    const double low = floor(view), part = view - low;
+    const int a = (int)(low + 4.0 * LF_CHART_CODES) % LF_CHART_CODES,
+              b = (a + 1) % LF_CHART_CODES;
+    k->light[a] += (1.0 - part) * light, k->weight[a] += 1.0 - part;
+    k->light[b] += part * light, k->weight[b] += part;
+}
+
+/* Samples the patches; the second kernel is for views in reverse. */
+static bool sample_codes(reader *r, double black, double white, kernel out[2])
+{
+    const lf_chart_place *place = &r->chart.groups[LF_CHART_CODE_PATCHES];
+    const double height = lf_chart_group_height(&r->chart), n = LF_CHART_CODES;
+    for (int code = 0; code < LF_CHART_CODES; code++)
+        for (int i = 1; i < 10; i++)
+            for (int j = 1; j < 5; j++) {
+                double width;
+                const double left = place->x + lf_chart_code_at(code, &width);
+                const double x = left + (0.1 + 0.08 * i) * width,
+                             y = place->y + (0.1 + 0.16 * j) * height - 0.5 * r->chart.height;
+                const double light = lf_chart_light_at(&r->light, x, y, 0.8, 1.2);
+                if (light < 0.0)
+                    return false;
+                const double cell =
+                    lf_chart_cell_at(&r->chart, &r->optics, &r->sheet, x, y) + 0.5;
+                /* stripes run from the last view to view 0; a stripe's middle is its view */
+                const double view = n - 0.5 - n * cell, share = (light - black) / (white - black);
+                add_light(&out[0], view - code, share);
+                add_light(&out[1], n - 1.0 - view - code, share);
+            }
+    return true;
+}
+
+static bool normalise(kernel *k)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LF_CHART_CODES; i++) {
+        if (!(k->weight[i] > 0.0))
+            return false;
+        k->light[i] = fmax(k->light[i] / k->weight[i], 0.0);
+        sum += k->light[i];
+    }
+    for (int i = 0; i < LF_CHART_CODES; i++)
+        k->light[i] /= fmax(sum, 1e-9);
+    return sum > 0.0;
+}
+
+static void read_crosstalk(reader *r, lf_chart_reading *out)
+{
+    double width;
+    const double white_at = lf_chart_pixel_patch_at(6, &width),
+                 black_at = lf_chart_pixel_patch_at(7, &width);
+    const double white = patch_light(r, LF_CHART_PIXEL_PATCHES, white_at, width),
+                 black = patch_light(r, LF_CHART_PIXEL_PATCHES, black_at, width);
+    kernel k[2] = {0};
+    if (!r->chart.groups[LF_CHART_CODE_PATCHES].present || !(white > black) || black < 0.0 ||
+        !sample_codes(r, black, white, k) || !normalise(&k[0]) || !normalise(&k[1]))
+        return;
+    const double straight = k[0].light[0] + 0.5 * (k[0].light[1] + k[0].light[LF_CHART_CODES - 1]),
+                 reversed = k[1].light[0] + 0.5 * (k[1].light[1] + k[1].light[LF_CHART_CODES - 1]);
+    out->has_order = fabs(straight - reversed) > 0.1;
+    out->is_reversed = out->has_order && reversed > straight;
+    const kernel *own = &k[out->is_reversed];
+    out->n_crosstalk = 2 * LF_CHART_KERNEL + 1;
+    for (int i = -LF_CHART_KERNEL; i <= LF_CHART_KERNEL; i++)
+        out->crosstalk[i + LF_CHART_KERNEL] =
+            own->light[(i + LF_CHART_CODES) % LF_CHART_CODES];
+    double sum = 0.0;
+    for (int i = 0; i < out->n_crosstalk; i++)
+        sum += out->crosstalk[i];
+    for (int i = 0; i < out->n_crosstalk; i++)
+        out->crosstalk[i] /= sum;
+}
+
+/* --------------------------------------------------------------------------------------- result -- */
+
+static void say_pitch(const reader *r, lf_chart_reading *out)
+{
+    const double own = r->optics.distance, reach = lf_chart_reach(&r->optics);
+    const double viewer = r->photo->distance_mm > 0.0 ? r->photo->distance_mm : own;
+    const double ratio = 1.0 + reach / viewer, pitch = 25.4 * r->sheet.per_mm;
+    const double fit = 25.4 * sqrt(r->sheet.covariance[0][0]) / ratio;
+    /* what the camera's own distance and an unknown thickness add */
+    const double sd_reach = r->optics.thickness > 0.0
+                                ? 0.0
+                                : 0.25 * (REACH_HIGH - REACH_LOW) * 25.4 / r->chart.lpi;
+    const double far = pitch * fabs(1.0 / own - 1.0 / viewer) * sd_reach;
+    const double off = pitch * reach / own * r->camera.sd_distance;
+    out->visual_lpi = pitch / ratio;
+    out->distance_mm = viewer;
+    out->mechanical_lpi = r->optics.thickness > 0.0 ? pitch : 0.0;
+    out->error_lpi = sqrt(fit * fit + far * far +
+                          (viewer == own ? 0.0 : off * off));
+}
+
+static void say_phase(const reader *r, lf_chart_reading *out)
+{
+    const double per_mm = r->sheet.per_mm, reach = lf_chart_reach(&r->optics);
+    const double aside = fabs(r->optics.eye[0]) / r->optics.distance;
+    const double fit = sqrt(r->sheet.covariance[1][1]) / per_mm, side = reach * r->camera.sd_aside;
+    const double unknown = r->optics.thickness > 0.0
+                               ? 0.0
+                               : aside * 0.25 * (REACH_HIGH - REACH_LOW) * 25.4 / r->chart.lpi;
+    out->phase_mm = remainder(r->sheet.cycles, 1.0) / per_mm;
+    out->error_phase_mm = sqrt(fit * fit + side * side + unknown * unknown);
+    out->skew_deg = r->sheet.angle * 180.0 / M_PI;
+    out->error_skew_deg = sqrt(r->sheet.covariance[2][2]) * 180.0 / M_PI;
+}
+
+static void say_notes(const reader *r, lf_chart_reading *out)
+{
+    const double aside = fabs(r->optics.eye[0]) / r->optics.distance;
+    const double low = lf_chart_lpi(&r->chart, 0),
+                 high = lf_chart_lpi(&r->chart, r->chart.n_bands - 1);
+    if (!(r->optics.thickness > 0.0))
+        lf_image_note(&out->notes,
+                      "the sheet's thickness is unknown, so the pitch holds only at the camera's "
+                      "distance%s; give --thickness",
+                      aside > ASIDE_TOLD ? " and the phase is rough" : "");
+    else if (!(r->photo->index > 0.0))
+        lf_image_note(&out->notes, "the refractive index is unknown; %g is assumed", USUAL_INDEX);
+    if (out->visual_lpi < low || out->visual_lpi > high)
+        lf_image_note(&out->notes,
+                      "the pitch is outside the chart's bands; print a chart around %.2f lpi",
+                      out->visual_lpi);
+    if (fabs(out->skew_deg) > 0.5)
+        lf_image_note(&out->notes, "the sheet is skewed by %.2f degrees; align it with the chart",
+                      out->skew_deg);
+}
+
+static lf_status read_sheet(reader *r, lf_chart_reading *out, lf_error *err)
+{
+    lf_chart_samples samples;
+    lf_status status = lf_chart_samples_take(&r->chart, &r->optics, &r->light, r->where, &samples,
+                                             err);
+    if (status == LF_OK)
+        status = lf_chart_sheet_fit(&r->chart, &r->optics, &samples, &r->sheet, err);
+    lf_chart_samples_finish(&samples);
+    if (status == LF_OK)
+        status = check_fit(r, err);
+    if (status != LF_OK)
+        return status;
+    say_pitch(r, out);
+    say_phase(r, out);
+    for (int k = 0; k < 2; k++)
+        out->camera_mm[k] = r->camera.eye[k];
+    out->camera_mm[2] = r->optics.distance;
+    out->fit = r->sheet.explained;
+    out->px_per_mm = r->light.px_per_mm;
+    read_crosstalk(r, out);
+    say_notes(r, out);
+    return LF_OK;
+}
+
+lf_status lf_chart_read(const lf_print *print, const lf_chart_photo *photo, const char *where,
+                        lf_chart_reading *out, lf_error *err)
+{
+    reader r = {.photo = photo, .where = where};
+    lf_chart_reading reading = {0};
+    lf_status status = lf_chart_layout(print, &r.chart, err);
+    if (status == LF_OK && !r.chart.is_marked)
+        status = lf_error_set(err, LF_E_ARG, "chart",
+                              "the chart has no marks for a camera; print a larger one");
+    if (status == LF_OK)
+        status = find_camera(&r, err);
+    r.light.camera = &r.camera;
+    r.light.width = photo->width;
+    r.light.height = photo->height;
+    r.light.data = photo->data;
+    for (int i = 0; i < 256; i++)
+        r.light.linear[i] = linear(i / 255.0);
+    if (status == LF_OK)
+        status = check_size(&r, err);
+    if (status != LF_OK)
+        return status;
+    set_optics(&r);
+    status = read_sheet(&r, &reading, err);
+    if (status == LF_OK)
+        *out = reading;
+    return status;
+}
+
+json_t *lf_chart_reading_json(const lf_chart_reading *reading, const char *sha256)
+{
+    json_t *shares = json_array(), *warnings = json_array();
+    char line[512];
+    for (int i = 0; shares && i < reading->n_crosstalk; i++)
+        json_array_append_new(shares, json_real(reading->crosstalk[i]));
+    for (size_t at = 0; warnings && lf_image_notes_next(&reading->notes, &at, line, sizeof line);)
+        json_array_append_new(warnings, json_string(line));
+    return json_pack(
+        "{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:s?, s:[f,f,f], s:f, s:f, s:o}",
+        "quiltd_chart_reading", 1, "visual_lpi", reading->visual_lpi, "error_lpi",
+        reading->error_lpi, "distance_mm", reading->distance_mm, "phase_mm", reading->phase_mm,
+        "error_phase_mm", reading->error_phase_mm, "skew_deg", reading->skew_deg, "error_skew_deg",
+        reading->error_skew_deg, "order",
+        reading->has_order ? json_string(reading->is_reversed ? "reversed" : "normal")
+                           : json_null(),
+        "crosstalk", shares, "chart_sha256", sha256, "camera_mm", reading->camera_mm[0],
+        reading->camera_mm[1], reading->camera_mm[2], "fit", reading->fit, "px_per_mm",
+        reading->px_per_mm, "warnings", warnings);
+}
