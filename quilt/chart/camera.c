@@ -45,7 +45,8 @@ bool lf_chart_solve(int n, int m, double *a, double *b)
     return true;
 }
 
-/* ---------------------------------------------------------------------------------- projection -- */
+/* ---------------------------------------------------------------------------------- projection --
+ */
 
 bool lf_chart_project(const lf_chart_camera *camera, double x, double y, double *out_px,
                       double *out_py)
@@ -92,12 +93,13 @@ static lf_chart_camera changed(const lf_chart_camera *camera, const double d[N_U
     for (int k = 0; k < 3; k++)
         c.move[k] += d[5 + k];
     for (int k = 0; k < 3; k++)
-        c.eye[k] = -(c.turn[0][k] * c.move[0] + c.turn[1][k] * c.move[1] +
-                     c.turn[2][k] * c.move[2]);
+        c.eye[k] =
+            -(c.turn[0][k] * c.move[0] + c.turn[1][k] * c.move[1] + c.turn[2][k] * c.move[2]);
     return c;
 }
 
-/* --------------------------------------------------------------------------------- first guess -- */
+/* --------------------------------------------------------------------------------- first guess --
+ */
 
 /* The homography from mm to pixels about the photo's middle, by the direct linear transform with
  * its last element 1; lengths are scaled by `unit`. */
@@ -109,9 +111,8 @@ static bool homography(const lf_chart_corners *corners, const double middle[2], 
         const double x = corners->at[i][0], y = corners->at[i][1];
         for (int k = 0; k < 2; k++) {
             const double p = (corners->px[i][k] - middle[k]) / unit;
-            const double row[8] = {k == 0 ? x : 0, k == 0 ? y : 0, k == 0 ? 1 : 0,
-                                   k == 1 ? x : 0, k == 1 ? y : 0, k == 1 ? 1 : 0,
-                                   -p * x,         -p * y};
+            const double row[8] = {k == 0 ? x : 0, k == 0 ? y : 0, k == 0 ? 1 : 0, k == 1 ? x : 0,
+                                   k == 1 ? y : 0, k == 1 ? 1 : 0, -p * x,         -p * y};
             for (int r = 0; r < 8; r++) {
                 b[r] += row[r] * p;
                 for (int c = 0; c < 8; c++)
@@ -152,9 +153,8 @@ static bool first_guess(const lf_chart_corners *corners, double known_focal, dou
         c[k][1] = h[3 + k] / focal;
         c[k][2] = h[6 + k];
     }
-    const double scale =
-        2.0 / (sqrt(c[0][0] * c[0][0] + c[0][1] * c[0][1] + c[0][2] * c[0][2]) +
-               sqrt(c[1][0] * c[1][0] + c[1][1] * c[1][1] + c[1][2] * c[1][2]));
+    const double scale = 2.0 / (sqrt(c[0][0] * c[0][0] + c[0][1] * c[0][1] + c[0][2] * c[0][2]) +
+                                sqrt(c[1][0] * c[1][0] + c[1][1] * c[1][1] + c[1][2] * c[1][2]));
     double norm = 0.0, dot = 0.0;
     for (int k = 0; k < 3; k++)
         norm += c[0][k] * c[0][k];
@@ -171,14 +171,14 @@ static bool first_guess(const lf_chart_corners *corners, double known_focal, dou
         out->turn[k][1] /= sqrt(norm);
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        out->turn[k][2] =
-            out->turn[i][0] * out->turn[j][1] - out->turn[j][0] * out->turn[i][1];
+        out->turn[k][2] = out->turn[i][0] * out->turn[j][1] - out->turn[j][0] * out->turn[i][1];
         out->move[k] = c[2][k] * scale;
     }
     return isfinite(out->turn[2][2]) && isfinite(scale);
 }
 
-/* ----------------------------------------------------------------------------------------- fit -- */
+/* ----------------------------------------------------------------------------------------- fit --
+ */
 
 typedef struct problem {
     const lf_chart_corners *corners;
@@ -201,8 +201,8 @@ static int residuals(const problem *p, const lf_chart_camera *camera, double *ou
     }
     out[n++] = log(camera->focal / p->focal) / p->sd_focal;
     out[n++] = camera->k1 / p->sd_k1;
-    out[n++] = p->distance > 0.0 ? log(fmax(-camera->eye[2], 1e-3) / p->distance) / SD_DISTANCE
-                                 : 0.0;
+    out[n++] =
+        p->distance > 0.0 ? log(fmax(-camera->eye[2], 1e-3) / p->distance) / SD_DISTANCE : 0.0;
     return n;
 }
 
@@ -286,8 +286,7 @@ static void estimate_errors(const problem *p, lf_chart_camera *camera)
         d[k] = 1e-5;
         const lf_chart_camera moved = changed(camera, d);
         slope[0][k] = log(moved.eye[2] / camera->eye[2]) / 1e-5;
-        slope[1][k] =
-            (moved.eye[0] / moved.eye[2] - camera->eye[0] / camera->eye[2]) / 1e-5;
+        slope[1][k] = (moved.eye[0] / moved.eye[2] - camera->eye[0] / camera->eye[2]) / 1e-5;
         inverse[k * (N_UNKNOWN + 1)] = 1.0;
     }
     camera->sd_distance = camera->sd_aside = INFINITY;

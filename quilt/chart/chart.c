@@ -91,9 +91,8 @@ static void place_groups(lf_chart *chart)
             const double width = lf_chart_group_width((lf_chart_group)g);
             if (to[gap] - from[gap] < width)
                 continue;
-            chart->groups[g] =
-                (lf_chart_place){true, from[gap],
-                                 (gap < 2 ? chart->top - chart->strip : below) + BETWEEN_MM};
+            chart->groups[g] = (lf_chart_place){
+                true, from[gap], (gap < 2 ? chart->top - chart->strip : below) + BETWEEN_MM};
             from[gap] += width + BETWEEN_MM;
         }
 }
@@ -113,9 +112,8 @@ static void place_marks(lf_chart *chart, const lf_print *print)
     chart->top += strip;
     chart->first_tag = first_tag(print);
     chart->has_middle_tags =
-        chart->width >=
-        2.0 * MARGIN_MM + 3.0 * strip +
-            2.0 * (lf_chart_group_width(LF_CHART_CODE_PATCHES) + 2.0 * BETWEEN_MM);
+        chart->width >= 2.0 * MARGIN_MM + 3.0 * strip +
+                            2.0 * (lf_chart_group_width(LF_CHART_CODE_PATCHES) + 2.0 * BETWEEN_MM);
     place_groups(chart);
 }
 
@@ -270,7 +268,6 @@ double lf_chart_ink(const lf_chart *chart, const lf_chart_box *box)
         return band_ink(chart, box, place);
     if (chart->is_marked && y >= chart->top - chart->strip && y < bands_end + chart->strip)
         return fmax(lf_chart_tag_ink(chart, box), lf_chart_patch_ink(chart, box));
-    return place < 0.0
-               ? header_ink(chart, 0.5 * (box->x0 + box->x1), y)
-               : footer_ink(chart, box->x0, box->x1, y - bands_end - chart->strip - 1.0);
+    return place < 0.0 ? header_ink(chart, 0.5 * (box->x0 + box->x1), y)
+                       : footer_ink(chart, box->x0, box->x1, y - bands_end - chart->strip - 1.0);
 }

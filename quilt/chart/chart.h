@@ -10,9 +10,9 @@
  * horizontal lenses the chart is rotated by 90 degrees, clockwise.
  *
  * A chart with room for them has two strips, above and below the bands. At their ends (and in their
- * middle, on a wide chart) are marks that a camera finds: tags of the family tag36h11 of libapriltag.
- * Their numbers follow from the chart (lf_chart_first_tag). Between the tags are patches
- * (chart_patch.c), as far as there is room. A ruler runs down the left edge.
+ * middle, on a wide chart) are marks that a camera finds: tags of the family tag36h11 of
+ * libapriltag. Their numbers follow from the chart (lf_chart_first_tag). Between the tags are
+ * patches (chart_patch.c), as far as there is room. A ruler runs down the left edge.
  *
  * Lengths are millimetres: along the bands from the middle of the print, across them from its top.
  */
@@ -21,7 +21,7 @@
 
 #include "quilt/prints.h"
 
-#define LF_CHART_GAP 0.1 /* below each band, as a fraction of it */
+#define LF_CHART_GAP 0.1      /* below each band, as a fraction of it */
 #define LF_CHART_TAG_CELLS 10 /* of a tag with its white border */
 #define LF_CHART_CODES 8
 
@@ -29,7 +29,7 @@ enum { LF_CHART_TAGS = 6 };
 
 /* Groups of patches in the strips. */
 typedef enum lf_chart_group {
-    LF_CHART_CODE_PATCHES,  /* code j: only stripe j of LF_CHART_CODES is white */
+    LF_CHART_CODE_PATCHES,  /* only the stripe of one view of LF_CHART_CODES is white */
     LF_CHART_PIXEL_PATCHES, /* one-pixel lines across and down; gratings for lenses that run the
                              * wrong way; white and black */
     LF_CHART_ORDER_PATCHES, /* 1, 2, 3: seen from the left, the middle and the right */
@@ -54,8 +54,8 @@ typedef struct lf_chart {
     char dpi[48];                     /* text above the bands */
     /* marks for a camera; zeroed on a chart without room for them */
     bool is_marked;
-    double cell, strip;  /* of a tag; height of a strip */
-    int first_tag;       /* number of tag 0 */
+    double cell, strip; /* of a tag; height of a strip */
+    int first_tag;      /* number of tag 0 */
     bool has_middle_tags;
     lf_chart_place groups[LF_CHART_GROUPS];
     uint8_t tags[LF_CHART_TAGS][LF_CHART_TAG_CELLS * LF_CHART_TAG_CELLS]; /* 1: ink; chart_tag.c */
@@ -79,15 +79,18 @@ double lf_chart_ink(const lf_chart *chart, const lf_chart_box *box);
 
 /* ------------------------------------------------------------------------------------- parts -- */
 
-/* Ink to the left of x on stripes that cover [from, to) of each cell; cell k is [k, k + 1) pitch. */
+/* Ink to the left of x on stripes that cover [from, to) of each cell; cell k is [k, k + 1) pitch.
+ */
 double lf_chart_stripes_before(double x, double pitch, double from, double to);
 /* Width and height of a group. */
 double lf_chart_group_width(lf_chart_group group);
 double lf_chart_group_height(const lf_chart *chart);
 /* Ink of the patches, in a box within the strips. */
 double lf_chart_patch_ink(const lf_chart *chart, const lf_chart_box *box);
-/* The places of single patches within their group, from its left edge. */
-double lf_chart_code_at(int code, double *out_width);
+/* The places of single patches within their group, from its left edge. Code patches do not follow
+ * each other in the order of their views: otherwise fringes of one pitch could hide most of them.
+ */
+double lf_chart_code_at(int place, int *out_view, double *out_width);
 /* Part 0 and 1: one-pixel lines; 2 to 5: gratings across the lenses' usual direction, each a
  * quarter of a pitch further; 6: white; 7: black. */
 double lf_chart_pixel_patch_at(int part, double *out_width);

@@ -15,9 +15,9 @@
 
 double lf_chart_group_width(lf_chart_group group)
 {
-    static const double widths[LF_CHART_GROUPS] = {
-        LF_CHART_CODES * CODE_MM, N_PIXEL_PARTS * PIXEL_MM, N_DIGITS * DIGIT_MM,
-        N_PHASES * PHASE_MM};
+    static const double widths[LF_CHART_GROUPS] = {LF_CHART_CODES * CODE_MM,
+                                                   N_PIXEL_PARTS * PIXEL_MM, N_DIGITS * DIGIT_MM,
+                                                   N_PHASES * PHASE_MM};
     return widths[group];
 }
 
@@ -26,10 +26,11 @@ double lf_chart_group_height(const lf_chart *chart)
     return chart->strip - 2.0;
 }
 
-double lf_chart_code_at(int code, double *out_width)
+double lf_chart_code_at(int place, int *out_view, double *out_width)
 {
+    *out_view = 3 * place % LF_CHART_CODES;
     *out_width = CODE_MM;
-    return code * CODE_MM;
+    return place * CODE_MM;
 }
 
 double lf_chart_pixel_patch_at(int part, double *out_width)
@@ -38,7 +39,8 @@ double lf_chart_pixel_patch_at(int part, double *out_width)
     return part * PIXEL_MM;
 }
 
-/* ------------------------------------------------------------------------------------ stripes -- */
+/* ------------------------------------------------------------------------------------ stripes --
+ */
 
 /* Fraction of [x0, x1] in the stripe [from, to) of the cells of a pitch; a cell is centred on 0. */
 static double covered(double x0, double x1, double pitch, double from, double to)
@@ -56,12 +58,16 @@ static double view_share(const lf_chart_box *box, double pitch, int view, int n_
     return covered(box->x0, box->x1, pitch, (double)stripe / n_views, (stripe + 1.0) / n_views);
 }
 
-/* ------------------------------------------------------------------------------------- groups -- */
+/* ------------------------------------------------------------------------------------- groups --
+ */
 
 static double code_ink(const lf_chart *chart, const lf_chart_box *box, double x, double y)
 {
+    int view;
+    double width;
     (void)y;
-    return 1.0 - view_share(box, 25.4 / chart->lpi, (int)(x / CODE_MM), LF_CHART_CODES);
+    lf_chart_code_at((int)(x / CODE_MM), &view, &width);
+    return 1.0 - view_share(box, 25.4 / chart->lpi, view, LF_CHART_CODES);
 }
 
 /* Whether a pixel is on an odd place, whatever the parity of the raster's size. */

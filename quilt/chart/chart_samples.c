@@ -15,14 +15,14 @@
 
 double lf_chart_reach(const lf_chart_optics *optics)
 {
-    return optics->thickness > 0.0 ? optics->thickness / optics->index : optics->reach;
+    return optics->thickness / optics->index;
 }
 
 void lf_chart_through(const lf_chart_optics *optics, double x, double y, double out[2])
 {
     double ratio = lf_chart_reach(optics) / optics->distance; /* displacement / r */
     const double dx = x - optics->eye[0], dy = y - optics->eye[1];
-    for (int i = 0; i < 4 && optics->thickness > 0.0; i++) {
+    for (int i = 0; i < 4; i++) {
         const double r = hypot(dx, dy) / (1.0 + ratio);
         const double sine = r / hypot(r, optics->distance) / optics->index;
         if (r > 1e-9)
@@ -32,7 +32,8 @@ void lf_chart_through(const lf_chart_optics *optics, double x, double y, double 
     out[1] = optics->eye[1] + dy / (1.0 + ratio);
 }
 
-/* --------------------------------------------------------------------------------------- light -- */
+/* --------------------------------------------------------------------------------------- light --
+ */
 
 static double pixel_at(lf_chart_light *light, double px, double py)
 {
@@ -44,10 +45,9 @@ static double pixel_at(lf_chart_light *light, double px, double py)
     for (int k = 0; k < 4; k++) {
         const int i = left + (k & 1), j = top + (k >> 1);
         const uint8_t *p = light->data + 3 * ((size_t)j * (size_t)light->width + (size_t)i);
-        const double weight =
-            (1.0 - fabs(x - i)) * (1.0 - fabs(y - j));
-        sum += weight * 0.25 *
-               (light->linear[p[0]] + 2.0 * light->linear[p[1]] + light->linear[p[2]]);
+        const double weight = (1.0 - fabs(x - i)) * (1.0 - fabs(y - j));
+        sum +=
+            weight * 0.25 * (light->linear[p[0]] + 2.0 * light->linear[p[1]] + light->linear[p[2]]);
         light->n_clipped += k == 0 && p[1] >= CLIPPED;
     }
     light->n_points++;
@@ -78,7 +78,8 @@ double lf_chart_light_at(lf_chart_light *light, double x, double y, double width
     return sum / (nx * ny);
 }
 
-/* ---------------------------------------------------------------------------------------- grid -- */
+/* ---------------------------------------------------------------------------------------- grid --
+ */
 
 static void place_grid(const lf_chart *chart, lf_chart_samples *s)
 {
@@ -87,10 +88,9 @@ static void place_grid(const lf_chart *chart, lf_chart_samples *s)
         s->x[i] = s->half_width * ((2 * i + 1.0) / s->n_columns - 1.0);
     for (int band = 0; band < s->n_bands; band++)
         for (int r = 0; r < s->rows_of_band; r++)
-            s->y[band * s->rows_of_band + r] = chart->top +
-                                               (band + BAND_FROM) * chart->band_height +
-                                               (r + 0.5) / s->rows_of_band * height -
-                                               0.5 * chart->height;
+            s->y[band * s->rows_of_band + r] =
+                chart->top + (band + BAND_FROM) * chart->band_height +
+                (r + 0.5) / s->rows_of_band * height - 0.5 * chart->height;
 }
 
 static bool allocate(const lf_chart *chart, lf_chart_samples *s)
@@ -117,8 +117,7 @@ lf_status lf_chart_samples_take(const lf_chart *chart, const lf_chart_optics *op
         return lf_error_set(err, LF_E_NOMEM, where, "not enough memory to read the bands");
     place_grid(chart, out);
     const double width = 2.0 * out->half_width / out->n_columns;
-    const double height =
-        (BAND_TO - BAND_FROM) * chart->band_height / out->rows_of_band;
+    const double height = (BAND_TO - BAND_FROM) * chart->band_height / out->rows_of_band;
     for (int r = 0; r < out->n_bands * out->rows_of_band; r++)
         for (int c = 0; c < out->n_columns; c++) {
             const size_t at = (size_t)r * (size_t)out->n_columns + (size_t)c;

@@ -18,9 +18,8 @@ static void draw_row(void *context, int y, float *row)
     const double along = d->chart.pixel_along, across = d->chart.pixel_across;
     for (int x = 0; x < d->width; x++) {
         const double left = (d->turned ? y - 0.5 * d->height : x - 0.5 * d->width) * along;
-        const double top =
-            (d->turned ? 0.5 * d->width - x - 1.0 : y - 0.5 * d->height) * across +
-            0.5 * d->chart.height;
+        const double top = (d->turned ? 0.5 * d->width - x - 1.0 : y - 0.5 * d->height) * across +
+                           0.5 * d->chart.height;
         const lf_chart_box box = {left, left + along, top, top + across};
         const float light = (float)(1.0 - lf_chart_ink(&d->chart, &box));
         for (int c = 0; c < 3; c++)
@@ -35,10 +34,10 @@ static json_t *tag_part(const lf_chart *chart)
     for (int i = 0; tags && i < LF_CHART_TAGS; i++) {
         double x, y;
         if (lf_chart_tag_place(chart, i, &x, &y))
-            json_array_append_new(
-                tags, json_pack("{s:i, s:[f,f], s:f}", "id", chart->first_tag + i, "left_top_mm",
-                                x + chart->cell, y + chart->cell, "side_mm",
-                                (LF_CHART_TAG_CELLS - 2) * chart->cell));
+            json_array_append_new(tags,
+                                  json_pack("{s:i, s:[f,f], s:f}", "id", chart->first_tag + i,
+                                            "left_top_mm", x + chart->cell, y + chart->cell,
+                                            "side_mm", (LF_CHART_TAG_CELLS - 2) * chart->cell));
     }
     return tags;
 }
@@ -60,11 +59,10 @@ static json_t *chart_part(const lf_chart *chart)
 {
     json_t *bands = json_array();
     for (int band = 0; bands && band < chart->n_bands; band++)
-        json_array_append_new(bands,
-                              json_pack("{s:f, s:f, s:f}", "lpi", lf_chart_lpi(chart, band),
-                                        "from_mm", chart->top + band * chart->band_height, "to_mm",
-                                        chart->top +
-                                            (band + 1 - LF_CHART_GAP) * chart->band_height));
+        json_array_append_new(
+            bands, json_pack("{s:f, s:f, s:f}", "lpi", lf_chart_lpi(chart, band), "from_mm",
+                             chart->top + band * chart->band_height, "to_mm",
+                             chart->top + (band + 1 - LF_CHART_GAP) * chart->band_height));
     return json_pack("{s:o, s:f, s:f, s:s, s:o, s:o}", "bands", bands, "grating_mm",
                      2.0 * chart->half_width, "ruler_mm", 2.0 * chart->half_ruler, "tag_family",
                      "tag36h11", "tags", tag_part(chart), "patches_mm", patch_part(chart));

@@ -31,7 +31,8 @@ double lf_chart_cell_at(const lf_chart *chart, const lf_chart_optics *optics,
     return remainder(chart->lpi / 25.4 * x - sheet->per_mm * u + sheet->cycles, 1.0);
 }
 
-/* -------------------------------------------------------------------------------- first search -- */
+/* -------------------------------------------------------------------------------- first search --
+ */
 
 typedef struct search {
     const lf_chart *chart;
@@ -101,7 +102,8 @@ static void search_grid(search *s, double reach_ratio, lf_chart_sheet *out)
     }
 }
 
-/* ----------------------------------------------------------------------------------------- fit -- */
+/* ----------------------------------------------------------------------------------------- fit --
+ */
 
 /* Sums of one band. */
 typedef struct sums {
@@ -254,8 +256,7 @@ static void descend(const lf_chart *chart, const lf_chart_samples *g, lf_chart_s
     double a[N_SHEET * N_SHEET], b[N_SHEET], damping = 1e-3;
     double cost = gather(chart, g, sheet, a, b);
     for (int i = 0; i < ITERATIONS; i++) {
-        double damped[N_SHEET * N_SHEET], step[N_SHEET], next_a[N_SHEET * N_SHEET],
-            next_b[N_SHEET];
+        double damped[N_SHEET * N_SHEET], step[N_SHEET], next_a[N_SHEET * N_SHEET], next_b[N_SHEET];
         memcpy(damped, a, sizeof a);
         memcpy(step, b, sizeof b);
         for (int k = 0; k < N_SHEET; k++)

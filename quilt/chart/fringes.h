@@ -8,8 +8,7 @@
 /* How the sheet bends the camera's rays. */
 typedef struct lf_chart_optics {
     double eye[2], distance; /* of the camera: foot, height */
-    double thickness, index; /* thickness 0: unknown … */
-    double reach;            /* … then thickness / index is taken as this, for small angles */
+    double thickness, index;
 } lf_chart_optics;
 
 /* The point of the lenses' plane through which a point of the print is seen. */
@@ -33,14 +32,14 @@ double lf_chart_light_at(lf_chart_light *light, double x, double y, double width
 /* The bands' light at a grid of points. */
 typedef struct lf_chart_samples {
     int n_bands, rows_of_band, n_columns;
-    double *x, *y;       /* [n_columns], [n_bands rows_of_band] */
-    double *lens;        /* [rows][n_columns][2]: lf_chart_through */
-    double *light;       /* [rows][n_columns] */
-    double half_width;   /* largest |x| */
+    double *x, *y;     /* [n_columns], [n_bands rows_of_band] */
+    double *lens;      /* [rows][n_columns][2]: lf_chart_through */
+    double *light;     /* [rows][n_columns] */
+    double half_width; /* largest |x| */
 } lf_chart_samples;
 
-/* LF_E_FORMAT: the chart is not wholly in the photo. LF_E_NOMEM. Release by lf_chart_samples_finish,
- * also after failure. */
+/* LF_E_FORMAT: the chart is not wholly in the photo. LF_E_NOMEM. Release by
+ * lf_chart_samples_finish, also after failure. */
 LF_NODISCARD lf_status lf_chart_samples_take(const lf_chart *chart, const lf_chart_optics *optics,
                                              lf_chart_light *light, const char *where,
                                              lf_chart_samples *out, lf_error *err);
@@ -58,7 +57,8 @@ typedef struct lf_chart_sheet {
 LF_NODISCARD lf_status lf_chart_sheet_fit(const lf_chart *chart, const lf_chart_optics *optics,
                                           const lf_chart_samples *samples, lf_chart_sheet *out,
                                           lf_error *err);
-/* Which place of the middle band's cells is seen at (x, y), in cells from their middle: -1/2..1/2. */
+/* Which place of the middle band's cells is seen at (x, y), in cells from their middle: -1/2..1/2.
+ */
 double lf_chart_cell_at(const lf_chart *chart, const lf_chart_optics *optics,
                         const lf_chart_sheet *sheet, double x, double y);
 

@@ -9,10 +9,11 @@
 
 #define DIAGONAL_35MM 43.2666
 #define USUAL_INDEX 1.56
-/* thickness / index of sheets whose thickness is unknown, in pitches: viewing angles of 25 to 60
- * degrees */
-#define REACH_LOW 0.85
-#define REACH_HIGH 2.25
+/* thickness / index of sheets whose thickness is unknown, in pitches, and its standard error */
+#define USUAL_REACH 1.1
+#define SD_REACH 0.25
+/* phase that unevenness of the paper and of the photo may add over a band, in cycles */
+#define SD_CYCLES 0.0015
 #define LEAST_PX_PER_MM 3.0
 #define LEAST_BAND_PX 8.0
 #define LEAST_EXPLAINED 0.75
@@ -21,6 +22,8 @@
 #define MOST_SD_DISTANCE 0.15
 #define ASIDE_TOLD 0.1
 #define TURNED_CONTRAST 0.15
+#define SD_SCALE 1e-3 /* of lengths by the marks, which lenses cut into columns */
+#define ORDER_RATIO 0.5
 
 /* State of reading a photo. */
 typedef struct reader {
@@ -33,7 +36,8 @@ typedef struct reader {
     lf_chart_sheet sheet;
 } reader;
 
-/* -------------------------------------------------------------------------------------- camera -- */
+/* -------------------------------------------------------------------------------------- camera --
+ */
 
 static double linear(double v)
 {
@@ -54,8 +58,7 @@ static uint8_t *grey_of(const lf_chart_photo *photo)
 static lf_status find_camera(reader *r, lf_error *err)
 {
     const lf_chart_photo *photo = r->photo;
-    const double focal =
-        photo->focal_35mm / DIAGONAL_35MM * hypot(photo->width, photo->height);
+    const double focal = photo->focal_35mm / DIAGONAL_35MM * hypot(photo->width, photo->height);
     const lf_chart_hint hint = {photo->width, photo->height, focal,
                                 focal > 0.0 ? 0.0 : photo->distance_mm};
     lf_chart_corners corners;
@@ -90,29 +93,42 @@ static lf_status check_size(reader *r, lf_error *err)
     return LF_OK;
 }
 
+static bool knows_thickness(const reader *r)
+{
+    return r->photo->thickness_mm > 0.0;
+}
+
+/* Standard error of thickness / index, in mm. */
+static double sd_reach(const reader *r)
+{
+    return knows_thickness(r) ? 0.0 : SD_REACH * 25.4 / r->chart.lpi;
+}
+
 static void set_optics(reader *r)
 {
     const lf_chart_photo *photo = r->photo;
-    const double pitch = 25.4 / r->chart.lpi;
-    r->optics =
-        (lf_chart_optics){.eye = {r->camera.eye[0], r->camera.eye[1]},
-                          .distance = -r->camera.eye[2],
-                          .thickness = photo->thickness_mm,
-                          .index = photo->index > 0.0 ? photo->index : USUAL_INDEX,
-                          .reach = 0.5 * (REACH_LOW + REACH_HIGH) * pitch};
+    const double index = photo->index > 0.0 ? photo->index : USUAL_INDEX;
+    r->optics = (lf_chart_optics){.eye = {r->camera.eye[0], r->camera.eye[1]},
+                                  .distance = -r->camera.eye[2],
+                                  .thickness = knows_thickness(r)
+                                                   ? photo->thickness_mm
+                                                   : USUAL_REACH * index * 25.4 / r->chart.lpi,
+                                  .index = index};
+    /* the sheet shows marks larger than they are, so that the camera seems that much further off */
+    r->optics.distance -= lf_chart_reach(&r->optics);
 }
 
-/* -------------------------------------------------------------------------------------- refusal -- */
+/* -------------------------------------------------------------------------------------- refusal --
+ */
 
 static double patch_light(reader *r, lf_chart_group group, double from, double width)
 {
     const lf_chart_place *place = &r->chart.groups[group];
     const double height = lf_chart_group_height(&r->chart);
-    return place->present
-               ? lf_chart_light_at(&r->light, place->x + from + 0.45 * width,
-                                   place->y + 0.5 * height - 0.5 * r->chart.height, 0.6 * width,
-                                   0.6 * height)
-               : -1.0;
+    return place->present ? lf_chart_light_at(&r->light, place->x + from + 0.45 * width,
+                                              place->y + 0.5 * height - 0.5 * r->chart.height,
+                                              0.6 * width, 0.6 * height)
+                          : -1.0;
 }
 
 /* Lenses that run along the bands show the patches that are made for them. */
@@ -170,117 +186,139 @@ static lf_status check_fit(reader *r, lf_error *err)
                         "there are no fringes; lay the lens sheet on the chart, lenses up");
 }
 
-/* ----------------------------------------------------------------------------------- crosstalk -- */
+/* ----------------------------------------------------------------------------------- crosstalk --
+ */
 
-/* Light of a code patch by the view that is seen there, in bins of one view. */
+/* Samples of the code patches: the view that is seen, less the view that is white, and the light.
+ */
+enum { MOST_CODE_SAMPLES = LF_CHART_CODES * 32 };
+typedef struct codes {
+    int n;
+    double seen[MOST_CODE_SAMPLES]; /* 0 … LF_CHART_CODES */
+    int white[MOST_CODE_SAMPLES];
+    double light[MOST_CODE_SAMPLES];
+} codes;
+
+/* Light by the difference of views, in bins of one view. */
 typedef struct kernel {
-    double light[LF_CHART_CODES], weight[LF_CHART_CODES];
+    double light[LF_CHART_CODES];
+    bool is_whole; /* every bin was seen */
 } kernel;
 
-static void add_light(kernel *k, double view, double light)
-{
-    const double low = floor(view), part = view - low;
-    const int a = (int)(low + 4.0 * LF_CHART_CODES) % LF_CHART_CODES,
-              b = (a + 1) % LF_CHART_CODES;
-    k->light[a] += (1.0 - part) * light, k->weight[a] += 1.0 - part;
-    k->light[b] += part * light, k->weight[b] += part;
-}
-
-/* Samples the patches; the second kernel is for views in reverse. */
-static bool sample_codes(reader *r, double black, double white, kernel out[2])
+static bool sample_codes(reader *r, double black, double white, codes *out)
 {
     const lf_chart_place *place = &r->chart.groups[LF_CHART_CODE_PATCHES];
     const double height = lf_chart_group_height(&r->chart), n = LF_CHART_CODES;
-    for (int code = 0; code < LF_CHART_CODES; code++)
-        for (int i = 1; i < 10; i++)
-            for (int j = 1; j < 5; j++) {
-                double width;
-                const double left = place->x + lf_chart_code_at(code, &width);
-                const double x = left + (0.1 + 0.08 * i) * width,
-                             y = place->y + (0.1 + 0.16 * j) * height - 0.5 * r->chart.height;
-                const double light = lf_chart_light_at(&r->light, x, y, 0.8, 1.2);
-                if (light < 0.0)
-                    return false;
-                const double cell =
-                    lf_chart_cell_at(&r->chart, &r->optics, &r->sheet, x, y) + 0.5;
-                /* stripes run from the last view to view 0; a stripe's middle is its view */
-                const double view = n - 0.5 - n * cell, share = (light - black) / (white - black);
-                add_light(&out[0], view - code, share);
-                add_light(&out[1], n - 1.0 - view - code, share);
-            }
+    for (int i = 0; i < MOST_CODE_SAMPLES; i++) {
+        double width;
+        int view;
+        const double left = place->x + lf_chart_code_at(i / 32, &view, &width);
+        const double x = left + (0.15 + 0.1 * (i % 8)) * width,
+                     y = place->y + (0.2 + 0.2 * (i / 8 % 4)) * height - 0.5 * r->chart.height;
+        const double light = lf_chart_light_at(&r->light, x, y, 0.8, 1.2);
+        if (light < 0.0)
+            return false;
+        /* stripes run from the last view to view 0; the middle of a stripe is its view */
+        const double cell = lf_chart_cell_at(&r->chart, &r->optics, &r->sheet, x, y) + 0.5;
+        out->seen[out->n] = n - 0.5 - n * cell;
+        out->white[out->n] = view;
+        out->light[out->n++] = (light - black) / (white - black);
+    }
     return true;
 }
 
-static bool normalise(kernel *k)
+/* The two bins of a sample and the weight of the second. */
+static double bins_of(const codes *c, int i, bool is_reversed, int *out_a, int *out_b)
 {
-    double sum = 0.0;
-    for (int i = 0; i < LF_CHART_CODES; i++) {
-        if (!(k->weight[i] > 0.0))
-            return false;
-        k->light[i] = fmax(k->light[i] / k->weight[i], 0.0);
-        sum += k->light[i];
+    const double seen = is_reversed ? LF_CHART_CODES - 1.0 - c->seen[i] : c->seen[i];
+    const double view = seen - c->white[i], low = floor(view);
+    *out_a = ((int)low + 4 * LF_CHART_CODES) % LF_CHART_CODES;
+    *out_b = (*out_a + 1) % LF_CHART_CODES;
+    return view - low;
+}
+
+/* Means by bin; returns the sum of squares that they leave. */
+static double kernel_of(const codes *c, bool is_reversed, kernel *out)
+{
+    double weight[LF_CHART_CODES] = {0}, left = 0.0;
+    int a, b;
+    *out = (kernel){.is_whole = true};
+    for (int i = 0; i < c->n; i++) {
+        const double part = bins_of(c, i, is_reversed, &a, &b);
+        out->light[a] += (1.0 - part) * c->light[i], weight[a] += 1.0 - part;
+        out->light[b] += part * c->light[i], weight[b] += part;
     }
-    for (int i = 0; i < LF_CHART_CODES; i++)
-        k->light[i] /= fmax(sum, 1e-9);
-    return sum > 0.0;
+    for (int k = 0; k < LF_CHART_CODES; k++) {
+        out->is_whole = out->is_whole && weight[k] > 1.0;
+        out->light[k] = fmax(out->light[k] / fmax(weight[k], 1e-9), 0.0);
+    }
+    for (int i = 0; i < c->n; i++) {
+        const double part = bins_of(c, i, is_reversed, &a, &b);
+        const double off = c->light[i] - (1.0 - part) * out->light[a] - part * out->light[b];
+        left += off * off;
+    }
+    return left;
 }
 
 static void read_crosstalk(reader *r, lf_chart_reading *out)
 {
-    double width;
+    double width, sum = 0.0;
     const double white_at = lf_chart_pixel_patch_at(6, &width),
                  black_at = lf_chart_pixel_patch_at(7, &width);
     const double white = patch_light(r, LF_CHART_PIXEL_PATCHES, white_at, width),
                  black = patch_light(r, LF_CHART_PIXEL_PATCHES, black_at, width);
-    kernel k[2] = {0};
+    codes c = {0};
+    kernel straight, reversed;
     if (!r->chart.groups[LF_CHART_CODE_PATCHES].present || !(white > black) || black < 0.0 ||
-        !sample_codes(r, black, white, k) || !normalise(&k[0]) || !normalise(&k[1]))
+        !sample_codes(r, black, white, &c))
         return;
-    const double straight = k[0].light[0] + 0.5 * (k[0].light[1] + k[0].light[LF_CHART_CODES - 1]),
-                 reversed = k[1].light[0] + 0.5 * (k[1].light[1] + k[1].light[LF_CHART_CODES - 1]);
-    out->has_order = fabs(straight - reversed) > 0.1;
-    out->is_reversed = out->has_order && reversed > straight;
-    const kernel *own = &k[out->is_reversed];
+    const double left = kernel_of(&c, false, &straight),
+                 left_reversed = kernel_of(&c, true, &reversed);
+    out->has_order = fmin(left, left_reversed) < ORDER_RATIO * fmax(left, left_reversed);
+    out->is_reversed = out->has_order && left_reversed < left;
+    const kernel *own = out->is_reversed ? &reversed : &straight;
+    if (!out->has_order || !own->is_whole)
+        return;
     out->n_crosstalk = 2 * LF_CHART_KERNEL + 1;
-    for (int i = -LF_CHART_KERNEL; i <= LF_CHART_KERNEL; i++)
-        out->crosstalk[i + LF_CHART_KERNEL] =
-            own->light[(i + LF_CHART_CODES) % LF_CHART_CODES];
-    double sum = 0.0;
-    for (int i = 0; i < out->n_crosstalk; i++)
+    for (int i = 0; i < out->n_crosstalk; i++) {
+        out->crosstalk[i] = own->light[(i - LF_CHART_KERNEL + LF_CHART_CODES) % LF_CHART_CODES];
         sum += out->crosstalk[i];
+    }
     for (int i = 0; i < out->n_crosstalk; i++)
-        out->crosstalk[i] /= sum;
+        out->crosstalk[i] /= fmax(sum, 1e-9);
 }
 
-/* --------------------------------------------------------------------------------------- result -- */
+/* --------------------------------------------------------------------------------------- result --
+ */
 
 static void say_pitch(const reader *r, lf_chart_reading *out)
 {
     const double own = r->optics.distance, reach = lf_chart_reach(&r->optics);
     const double viewer = r->photo->distance_mm > 0.0 ? r->photo->distance_mm : own;
-    const double ratio = 1.0 + reach / viewer, pitch = 25.4 * r->sheet.per_mm;
-    const double fit = 25.4 * sqrt(r->sheet.covariance[0][0]) / ratio;
+    const double pitch = 25.4 * r->sheet.per_mm, half = r->chart.half_width;
+    const double aside = hypot(r->optics.eye[0], 0.6 * half) / own;
+    const double fit = 25.4 * sqrt(r->sheet.covariance[0][0]);
+    const double uneven = SD_CYCLES * 25.4 / (2.0 * half);
+    out->camera_lpi = pitch / (1.0 + reach / own);
+    const double scale = SD_SCALE * (out->camera_lpi - r->chart.lpi);
+    /* at an angle, an unknown thickness bends more than in proportion */
+    const double bend = 0.9 * pitch * sd_reach(r) / own * aside * aside;
+    out->error_camera_lpi = sqrt(fit * fit + uneven * uneven + scale * scale + bend * bend);
     /* what the camera's own distance and an unknown thickness add */
-    const double sd_reach = r->optics.thickness > 0.0
-                                ? 0.0
-                                : 0.25 * (REACH_HIGH - REACH_LOW) * 25.4 / r->chart.lpi;
-    const double far = pitch * fabs(1.0 / own - 1.0 / viewer) * sd_reach;
-    const double off = pitch * reach / own * r->camera.sd_distance;
-    out->visual_lpi = pitch / ratio;
+    const double far = pitch * fabs(1.0 / own - 1.0 / viewer) * sd_reach(r);
+    const double off = viewer == own ? 0.0 : pitch * reach / own * r->camera.sd_distance;
+    out->visual_lpi = pitch / (1.0 + reach / viewer);
     out->distance_mm = viewer;
-    out->mechanical_lpi = r->optics.thickness > 0.0 ? pitch : 0.0;
-    out->error_lpi = sqrt(fit * fit + far * far +
-                          (viewer == own ? 0.0 : off * off));
+    out->mechanical_lpi = knows_thickness(r) ? pitch : 0.0;
+    out->error_lpi = sqrt(out->error_camera_lpi * out->error_camera_lpi + far * far + off * off);
 }
 
 static void say_phase(const reader *r, lf_chart_reading *out)
 {
     const double per_mm = r->sheet.per_mm, reach = lf_chart_reach(&r->optics);
     const double aside = fabs(r->optics.eye[0]) / r->optics.distance;
-    const double fit = sqrt(r->sheet.covariance[1][1]) / per_mm, side = reach * r->camera.sd_aside;
-    const double unknown = r->optics.thickness > 0.0
-                               ? 0.0
-                               : aside * 0.25 * (REACH_HIGH - REACH_LOW) * 25.4 / r->chart.lpi;
+    const double fit = hypot(sqrt(r->sheet.covariance[1][1]), SD_CYCLES) / per_mm,
+                 side = reach * r->camera.sd_aside, unknown = aside * sd_reach(r);
     out->phase_mm = remainder(r->sheet.cycles, 1.0) / per_mm;
     out->error_phase_mm = sqrt(fit * fit + side * side + unknown * unknown);
     out->skew_deg = r->sheet.angle * 180.0 / M_PI;
@@ -292,7 +330,7 @@ static void say_notes(const reader *r, lf_chart_reading *out)
     const double aside = fabs(r->optics.eye[0]) / r->optics.distance;
     const double low = lf_chart_lpi(&r->chart, 0),
                  high = lf_chart_lpi(&r->chart, r->chart.n_bands - 1);
-    if (!(r->optics.thickness > 0.0))
+    if (!knows_thickness(r))
         lf_image_note(&out->notes,
                       "the sheet's thickness is unknown, so the pitch holds only at the camera's "
                       "distance%s; give --thickness",
@@ -311,8 +349,8 @@ static void say_notes(const reader *r, lf_chart_reading *out)
 static lf_status read_sheet(reader *r, lf_chart_reading *out, lf_error *err)
 {
     lf_chart_samples samples;
-    lf_status status = lf_chart_samples_take(&r->chart, &r->optics, &r->light, r->where, &samples,
-                                             err);
+    lf_status status =
+        lf_chart_samples_take(&r->chart, &r->optics, &r->light, r->where, &samples, err);
     if (status == LF_OK)
         status = lf_chart_sheet_fit(&r->chart, &r->optics, &samples, &r->sheet, err);
     lf_chart_samples_finish(&samples);
@@ -369,11 +407,13 @@ json_t *lf_chart_reading_json(const lf_chart_reading *reading, const char *sha25
     for (size_t at = 0; warnings && lf_image_notes_next(&reading->notes, &at, line, sizeof line);)
         json_array_append_new(warnings, json_string(line));
     return json_pack(
-        "{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:s?, s:[f,f,f], s:f, s:f, s:o}",
+        "{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:s?, s:[f,f,f], s:f, s:f, "
+        "s:o}",
         "quiltd_chart_reading", 1, "visual_lpi", reading->visual_lpi, "error_lpi",
-        reading->error_lpi, "distance_mm", reading->distance_mm, "phase_mm", reading->phase_mm,
-        "error_phase_mm", reading->error_phase_mm, "skew_deg", reading->skew_deg, "error_skew_deg",
-        reading->error_skew_deg, "order",
+        reading->error_lpi, "camera_lpi", reading->camera_lpi, "error_camera_lpi",
+        reading->error_camera_lpi, "distance_mm", reading->distance_mm, "phase_mm",
+        reading->phase_mm, "error_phase_mm", reading->error_phase_mm, "skew_deg", reading->skew_deg,
+        "error_skew_deg", reading->error_skew_deg, "order",
         reading->has_order ? json_string(reading->is_reversed ? "reversed" : "normal")
                            : json_null(),
         "crosstalk", shares, "chart_sha256", sha256, "camera_mm", reading->camera_mm[0],

@@ -1,11 +1,11 @@
 /* Reads a photo of a printed pitch test chart with the lens sheet on it.
  *
  * The tags of the chart give the camera's place. A line of the print at s is seen through the lens
- * at P, where s = P + t tan(asin(sin(theta) / n)) away from the foot of the camera, and theta is the
- * angle of the ray to the sheet's normal. A band of pitch f (lines per mm) then shows the fringe
- * cos(2 pi (f s - (u - phase) / p)), where u is P across the lenses and p the mechanical pitch. One
- * least squares fit over all bands gives p, phase and the angle of u; brightness and contrast of
- * each band are polynomials of the place. Pure; thread safe on different objects. */
+ * at P, where s = P + t tan(asin(sin(theta) / n)) away from the foot of the camera, and theta is
+ * the angle of the ray to the sheet's normal. A band of pitch f (lines per mm) then shows the
+ * fringe cos(2 pi (f s - (u - phase) / p)), where u is P across the lenses and p the mechanical
+ * pitch. One least squares fit over all bands gives p, phase and the angle of u; brightness and
+ * contrast of each band are polynomials of the place. Pure; thread safe on different objects. */
 #ifndef LF_QUILT_CHART_READING_H
 #define LF_QUILT_CHART_READING_H
 
@@ -26,17 +26,18 @@ typedef struct lf_chart_photo {
 } lf_chart_photo;
 
 typedef struct lf_chart_reading {
-    double visual_lpi, error_lpi; /* at distance_mm; standard error */
-    double mechanical_lpi;        /* of the sheet; 0: thickness unknown */
+    double visual_lpi, error_lpi;        /* at distance_mm; standard error */
+    double camera_lpi, error_camera_lpi; /* the same at the camera's distance */
+    double mechanical_lpi;               /* of the sheet; 0: thickness unknown */
     double distance_mm;
     double phase_mm, error_phase_mm; /* of the lens at the middle, to the right: +- half a pitch */
     double skew_deg, error_skew_deg; /* clockwise */
     double camera_mm[3]; /* right and down from the middle of the chart, distance from its plane */
     bool has_order, is_reversed;
-    int n_crosstalk; /* 2 LF_CHART_KERNEL + 1, or 0: unknown */
+    int n_crosstalk;                           /* 2 LF_CHART_KERNEL + 1, or 0: unknown */
     double crosstalk[2 * LF_CHART_KERNEL + 1]; /* share of view i + k, k = -LF_CHART_KERNEL … */
-    double fit;          /* share of the fringes' variance that the model explains */
-    double px_per_mm;    /* of the photo, at the middle of the chart */
+    double fit;           /* share of the fringes' variance that the model explains */
+    double px_per_mm;     /* of the photo, at the middle of the chart */
     lf_image_notes notes; /* warnings */
 } lf_chart_reading;
 

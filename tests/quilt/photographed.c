@@ -8,7 +8,8 @@
 
 #include "tests/quilt/photographed.h"
 
-/* --------------------------------------------------------------------------------------- paper -- */
+/* --------------------------------------------------------------------------------------- paper --
+ */
 
 void lf_paper_make(const lf_printed *printed, double right_mm, double down_mm, double spot_mm,
                    lf_paper *out)
@@ -25,7 +26,8 @@ void lf_paper_make(const lf_printed *printed, double right_mm, double down_mm, d
         for (int x = 0; x < w; x++) {
             const uint16_t v =
                 printed->value[((size_t)y * (size_t)w + (size_t)x) * (size_t)printed->channels];
-            sum[x + 1] = sum[x] + (printed->bits == 8 ? curve[v & 255] : lf_srgb_to_linear(v / most));
+            sum[x + 1] =
+                sum[x] + (printed->bits == 8 ? curve[v & 255] : lf_srgb_to_linear(v / most));
         }
         for (int x = 0; x < w; x++) {
             const double a = fmax(x + 0.5 - half, 0.0), b = fmin(x + 0.5 + half, w);
@@ -59,7 +61,8 @@ static double paper_at(const lf_paper *paper, double x, double y)
     return 0.03 + 0.87 * ((double)row[left] + (at - left) * (double)(row[left + 1] - row[left]));
 }
 
-/* ---------------------------------------------------------------------------------------- sheet -- */
+/* ---------------------------------------------------------------------------------------- sheet --
+ */
 
 /* Light that leaves the sheet at (x, y) towards an eye above (ex, ey). */
 static double sheet_light(const lf_paper *paper, const lf_shot *shot, const double eye[3], double x,
@@ -83,7 +86,8 @@ static double sheet_light(const lf_paper *paper, const lf_shot *shot, const doub
     return paper_at(paper, px + move * dx, py + move * dy);
 }
 
-/* --------------------------------------------------------------------------------------- camera -- */
+/* --------------------------------------------------------------------------------------- camera --
+ */
 
 typedef struct view {
     double eye[3], right[3], down[3], forward[3]; /* z away from the viewer */
@@ -102,8 +106,8 @@ static view view_of(const lf_shot *shot)
     view v = {.forward = {-sin(tilt) * cos(to), -sin(tilt) * sin(to), cos(tilt)}};
     const double y[3] = {-sin(roll), cos(roll), 0.0};
     cross(y, v.forward, v.right);
-    const double length = sqrt(v.right[0] * v.right[0] + v.right[1] * v.right[1] +
-                               v.right[2] * v.right[2]);
+    const double length =
+        sqrt(v.right[0] * v.right[0] + v.right[1] * v.right[1] + v.right[2] * v.right[2]);
     for (int k = 0; k < 3; k++) {
         v.right[k] /= length;
         v.eye[k] = (k < 2 ? shot->aim_mm[k] : 0.0) - shot->distance_mm * v.forward[k];
@@ -147,12 +151,13 @@ static void expose(const lf_paper *paper, const lf_shot *shot, float *out)
             for (int k = 0; k < 3; k++)
                 ray[k] = straight * (a * v.right[k] + b * v.down[k]) + v.forward[k];
             const double far = eye[2] / ray[2];
-            const double even = sheet_light(paper, shot, eye, eye[0] + far * ray[0],
-                                            eye[1] + far * ray[1]);
+            const double even =
+                sheet_light(paper, shot, eye, eye[0] + far * ray[0], eye[1] + far * ray[1]);
             const double across = (double)i / shot->width - 0.5,
                          along = (double)j / shot->height - 0.5;
             out[(size_t)j * (size_t)shot->width + (size_t)i] =
-                (float)(shot->gain * even * (1.0 + shot->slope[0] * across + shot->slope[1] * along) *
+                (float)(shot->gain * even *
+                        (1.0 + shot->slope[0] * across + shot->slope[1] * along) *
                         (1.0 - shot->vignette * 2.0 * (across * across + along * along)));
         }
 }
@@ -194,7 +199,8 @@ static void blur(const lf_shot *shot, float *light)
     free(line);
 }
 
-/* ---------------------------------------------------------------------------------------- photo -- */
+/* ---------------------------------------------------------------------------------------- photo --
+ */
 
 static uint8_t *develop(const lf_shot *shot, const float *light)
 {
@@ -204,16 +210,15 @@ static uint8_t *develop(const lf_shot *shot, const float *light)
     assert_non_null(out);
     for (int i = 0; i < STEPS; i++) {
         const double v = (i + 0.5) / STEPS;
-        const double encoded = shot->gamma > 0.0   ? pow(v, 1.0 / shot->gamma)
-                               : v <= 0.0031308    ? 12.92 * v
-                                                   : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
+        const double encoded = shot->gamma > 0.0 ? pow(v, 1.0 / shot->gamma)
+                               : v <= 0.0031308  ? 12.92 * v
+                                                 : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
         curve[i] = (uint8_t)(255.0 * encoded + 0.5);
     }
     for (int j = 0; j < shot->height; j++)
         for (int i = 0; i < shot->width; i++) {
             const size_t at = (size_t)j * (size_t)shot->width + (size_t)i;
-            const size_t to =
-                shot->mirrored ? at - (size_t)i + (size_t)(shot->width - 1 - i) : at;
+            const size_t to = shot->mirrored ? at - (size_t)i + (size_t)(shot->width - 1 - i) : at;
             double grain = -2.0;
             for (int k = 0; k < 4; k++)
                 grain += lf_shot_random(&state);

@@ -68,52 +68,179 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void photos_give_pitch_and_phase(void **state)
+/* Errors of one kind, of all photos. */
+typedef struct spread {
+    double error[200];
+} spread;
+
+static void tell(const char *what, const char *unit, spread *s, int n)
 {
-    enum { MOST = 200 };
-    const int n = getenv("QUILTD_LONG") ? MOST : 4;
-    double pitch[MOST] = {0}, phase[MOST] = {0}, skew[MOST] = {0};
-    int within = 0, n_order = 0;
+    qsort(s->error, (size_t)n, sizeof *s->error, by_size);
+    print_message("%s: median %.5f, 95 %% below %.5f, worst %.5f %s\n", what, s->error[n / 2],
+                  s->error[n * 95 / 100], s->error[n - 1], unit);
+}
+
+static void photos_give_pitch_phase_and_skew(void **state)
+{
+    const int n = getenv("QUILTD_LONG") ? 200 : 3;
+    static spread own, far, phase, skew;
+    int within = 0;
     (void)state;
     for (int i = 0; i < n; i++) {
         const lf_shot shot = lf_shot_usual((uint64_t)i);
         lf_chart_reading r;
         lf_error err = {0};
-        const lf_status status = read_photo(&shot, known_of(&shot), &r, &err);
-        if (status != LF_OK)
+        double eye[3];
+        if (read_photo(&shot, known_of(&shot), &r, &err) != LF_OK)
             fail_msg("photo %d: %s", i, err.what);
-        const double period = 25.4 / shot.lpi;
-        pitch[i] = fabs(r.visual_lpi - lf_shot_visual_lpi(&shot, VIEWER_MM));
-        phase[i] = fabs(remainder(r.phase_mm - shot.phase_mm, period));
-        skew[i] = fabs(r.skew_deg - shot.skew_deg);
-        within += pitch[i] < 3.0 * r.error_lpi && phase[i] < 3.0 * r.error_phase_mm;
-        n_order += r.has_order && !r.is_reversed;
+        lf_shot_eye(&shot, eye);
+        own.error[i] = fabs(r.camera_lpi - lf_shot_visual_lpi(&shot, eye[2]));
+        far.error[i] = fabs(r.visual_lpi - lf_shot_visual_lpi(&shot, VIEWER_MM));
+        phase.error[i] = fabs(remainder(r.phase_mm - shot.phase_mm, 25.4 / shot.lpi));
+        skew.error[i] = fabs(r.skew_deg - shot.skew_deg);
+        within += far.error[i] < 3.0 * r.error_lpi && phase.error[i] < 3.0 * r.error_phase_mm &&
+                  own.error[i] < 3.0 * r.error_camera_lpi;
         if (getenv("QUILTD_SHOTS"))
-            print_message("%3d pitch %+.5f +- %.5f phase %+.5f +- %.5f skew %+.5f tilt %.1f to %.0f "
-                          "f %.1f t %.2f fit %.3f\n",
-                          i, r.visual_lpi - lf_shot_visual_lpi(&shot, VIEWER_MM), r.error_lpi,
-                          remainder(r.phase_mm - shot.phase_mm, period), r.error_phase_mm,
-                          r.skew_deg - shot.skew_deg, shot.tilt_deg, shot.direction_deg,
-                          shot.focal_35mm, shot.thickness_mm, r.fit);
-        assert_true(r.error_lpi > 0.0 && r.error_lpi < 0.01);
+            print_message("photo %3d: own %.5f +- %.5f, far %.5f +- %.5f, phase %.5f +- %.5f, skew "
+                          "%.5f; tilt %4.1f to %3.0f, focal %.1f, %.2f thick, eye at %.0f\n",
+                          i, own.error[i], r.error_camera_lpi, far.error[i], r.error_lpi,
+                          phase.error[i], r.error_phase_mm, skew.error[i], shot.tilt_deg,
+                          shot.direction_deg, shot.focal_35mm, shot.thickness_mm, eye[2]);
+        assert_true(r.has_order && !r.is_reversed);
+        assert_int_equal(r.n_crosstalk, 7);
     }
-    qsort(pitch, (size_t)n, sizeof *pitch, by_size);
-    qsort(phase, (size_t)n, sizeof *phase, by_size);
-    qsort(skew, (size_t)n, sizeof *skew, by_size);
-    print_message("%d photos; median, 95 %%, worst: pitch %.5f %.5f %.5f lpi, phase %.5f %.5f %.5f "
-                  "mm, skew %.5f %.5f %.5f degrees; %d within three standard errors, order of %d\n",
-                  n, pitch[n / 2], pitch[n * 95 / 100], pitch[n - 1], phase[n / 2],
-                  phase[n * 95 / 100], phase[n - 1], skew[n / 2], skew[n * 95 / 100], skew[n - 1],
-                  within, n_order);
-    assert_true(pitch[n - 1] < 0.002);
-    assert_true(phase[n - 1] < 0.01);
-    assert_true(skew[n - 1] < 0.01);
+    tell("pitch at the camera's distance", "lpi", &own, n);
+    tell("pitch at 400 mm", "lpi", &far, n);
+    tell("phase", "mm", &phase, n);
+    tell("skew", "degrees", &skew, n);
+    assert_true(own.error[n - 1] < 0.002);
+    assert_true(far.error[n - 1] < 0.005); /* the focal length is known to 1 mm only */
+    assert_true(phase.error[n - 1] < 0.01);
+    assert_true(skew.error[n - 1] < 0.01);
     assert_true(within >= n * 9 / 10);
-    assert_int_equal(n_order, n);
+}
+
+/* ------------------------------------------------------------------------- what must not be read
+ * -- */
+
+static lf_shot small_shot(uint64_t seed)
+{
+    lf_shot shot = lf_shot_usual(seed);
+    shot.width /= 2;
+    shot.height /= 2;
+    shot.blur_px = 0.7;
+    shot.noise = 0.003;
+    shot.tilt_deg = 8.0;
+    return shot;
+}
+
+static void is_refused(const lf_shot *shot, const lf_chart_photo *known, lf_status expected,
+                       const char *words)
+{
+    lf_chart_reading r;
+    lf_error err = {0};
+    assert_int_equal(read_photo(shot, *known, &r, &err), expected);
+    if (!strstr(err.what, words))
+        fail_msg("\"%s\" does not say \"%s\"", err.what, words);
+}
+
+static void wrong_photos_are_refused_in_words(void **state)
+{
+    const lf_shot sound = small_shot(5);
+    const lf_chart_photo known = known_of(&sound);
+    lf_chart_reading r;
+    lf_error err = {0};
+    (void)state;
+    lf_assert_ok(read_photo(&sound, known, &r, &err), &err);
+    lf_shot s;
+    s = sound, s.sheets = LF_NO_SHEET, is_refused(&s, &known, LF_E_FORMAT, "no fringes");
+    s = sound, s.sheets = LF_TURNED_SHEET, is_refused(&s, &known, LF_E_FORMAT, "by 90 degrees");
+    s = sound, s.sheets = LF_TWO_SHEETS, is_refused(&s, &known, LF_E_FORMAT, "use one sheet");
+    s = sound, s.gain = 3.0, s.vignette = 0.0, s.slope[0] = s.slope[1] = 0.0;
+    is_refused(&s, &known, LF_E_FORMAT, "overexposed");
+    s = sound, s.mirrored = true, is_refused(&s, &known, LF_E_FORMAT, "mirrored");
+    s = sound, s.blur_px = 12.0, is_refused(&s, &known, LF_E_FORMAT, "no marks");
+    s = sound, s.aim_mm[1] = 180.0, is_refused(&s, &known, LF_E_FORMAT, "marks are visible");
+    s = sound, s.aim_mm[0] = 1e4, is_refused(&s, &known, LF_E_FORMAT, "no marks");
+    s = sound, s.width = 480, s.height = 640, is_refused(&s, &known, LF_E_FORMAT, "pixels per mm");
+    s = sound, s.tilt_deg = 0.2;
+    lf_chart_photo unknown = known;
+    unknown.focal_35mm = unknown.distance_mm = 0.0;
+    is_refused(&s, &unknown, LF_E_ARG, "is needed");
+}
+
+static void a_photo_of_another_chart_is_refused(void **state)
+{
+    const lf_shot shot = small_shot(5);
+    lf_print other = chart_of();
+    lf_chart_photo known = known_of(&shot);
+    lf_chart_reading r;
+    lf_error err = {0};
+    (void)state;
+    other.chart_step = 0.1;
+    uint8_t *data = lf_photograph(&paper, &shot);
+    known.data = data, known.width = shot.width, known.height = shot.height;
+    assert_int_equal(lf_chart_read(&other, &known, "photo.jpg", &r, &err), LF_E_FORMAT);
+    assert_non_null(strstr(err.what, "another chart"));
+    other.width_mm = 120.0, other.height_mm = 50.0; /* without marks */
+    other.chart_step = 0.1;
+    assert_int_equal(lf_chart_read(&other, &known, "photo.jpg", &r, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "no marks"));
+    free(data);
+}
+
+/* Optics that are not the sheet's give another phase or pitch: these photos can tell. */
+static void wrong_optics_are_found_out(void **state)
+{
+    lf_shot shot = small_shot(1);
+    lf_chart_reading right, wrong;
+    lf_error err = {0};
+    (void)state;
+    shot.tilt_deg = 28.0, shot.direction_deg = 10.0, shot.thickness_mm = 0.9;
+    lf_chart_photo known = known_of(&shot);
+    known.distance_mm = 1000.0;
+    lf_assert_ok(read_photo(&shot, known, &right, &err), &err);
+    const double period = 25.4 / shot.lpi;
+    assert_true(fabs(remainder(right.phase_mm - shot.phase_mm, period)) < 0.01);
+    known.thickness_mm = 1e-6; /* no Snell */
+    lf_assert_ok(read_photo(&shot, known, &wrong, &err), &err);
+    assert_true(fabs(remainder(wrong.phase_mm - shot.phase_mm, period)) > 0.05);
+    assert_true(fabs(wrong.visual_lpi - lf_shot_visual_lpi(&shot, 1000.0)) > 0.01);
+    assert_true(fabs(right.skew_deg - shot.skew_deg) < 0.01);
+    assert_true(fabs(right.skew_deg + shot.skew_deg) > 0.02); /* the sign of the skew */
+    shot.tilt_deg = 2.0; /* the marks do not tell the focal length */
+    known.thickness_mm = shot.thickness_mm;
+    known.focal_35mm *= 1.5;
+    lf_assert_ok(read_photo(&shot, known, &wrong, &err), &err);
+    assert_true(fabs(wrong.visual_lpi - lf_shot_visual_lpi(&shot, 1000.0)) > 0.005);
+}
+
+static void an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera(void **state)
+{
+    lf_shot shot = small_shot(3);
+    lf_chart_photo known = known_of(&shot);
+    lf_chart_reading r;
+    lf_error err = {0};
+    double eye[3];
+    (void)state;
+    shot.tilt_deg = 5.0;
+    known.thickness_mm = known.index = known.distance_mm = 0.0;
+    lf_assert_ok(read_photo(&shot, known, &r, &err), &err);
+    lf_shot_eye(&shot, eye);
+    const double error = fabs(r.visual_lpi - lf_shot_visual_lpi(&shot, eye[2]));
+    assert_true(error < 0.004 && error < 3.0 * r.error_lpi);
+    lf_assert_close(r.distance_mm, eye[2], 0.0, 0.03 * eye[2]);
+    assert_true(r.mechanical_lpi == 0.0);
+    assert_non_null(strstr(r.notes.text, "thickness is unknown"));
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(photos_give_pitch_and_phase)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(photos_give_pitch_phase_and_skew),
+        cmocka_unit_test(wrong_photos_are_refused_in_words),
+        cmocka_unit_test(a_photo_of_another_chart_is_refused),
+        cmocka_unit_test(wrong_optics_are_found_out),
+        cmocka_unit_test(an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera)};
     return cmocka_run_group_tests(tests, print_it, put_away);
 }
