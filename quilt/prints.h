@@ -7,6 +7,8 @@
 
 #include "quilt/quilt.h"
 
+struct json_t;
+
 /* Conventions: x to the right, y down, seen from the front through the lens sheet, origin in the
  * middle of the print, millimetres. Lens k is centred on phase + k * 25.4/lpi. Its cell is divided
  * into n_views stripes of equal width. From left to right they carry view n_views-1 ... view 0,
@@ -22,10 +24,68 @@
  * Fractional stripes: a pixel mixes the stripes it overlaps, by exact area, in linear light after
  * tone mapping. Nearest: a pixel takes the stripe that holds its centre. Stripes are half-open
  * [left, right), so a centre on a border (within 1e-9 stripe) belongs to the stripe on its right
- * (below it, for horizontal lenses). Both continue into the bleed, to the pixel. */
+ * (below it, for horizontal lenses). Both continue into the bleed, to the pixel.
+ *
+ * Lens sheets (lf_optics). Lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses,
+ * and -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans
+ * to the right. Lens k then has its axis at u = phase + k * 25.4/lpi. A fractional pixel weighs
+ * each stripe by the exact area of the leaning band in the pixel.
+ *
+ * Exact map: lpi is the pitch in the middle, and an eye at distance_mm in front of it sees the
+ * point P of the lens plane at r = |P| from the middle on the print at
+ * r + t tan(asin(sin(atan(r / D)) / n)) in the same direction. Pitch of the lenses themselves
+ * (mechanical): 25.4/lpi / (1 + t / (n D)).
+ *
+ * Micro sheets: one lens per point, of pitch 25.4/lpi along its rows. Square: lenses at (i, j) p.
+ * Hexagonal: at ((i + (j mod 2) / 2) p, j p sqrt(3) / 2), cells are the Voronoi hexagons. The grid
+ * is turned clockwise by the slant. View v is in column v mod columns from the left, and in row
+ * v / columns from the bottom, like the tiles of a quilt. A cell of p x p (hexagonal: p x
+ * 2p/sqrt(3)) is divided into columns x rows rectangles; from left to right they carry the last to
+ * the first column, from top to bottom the first to the last row: the picture under a lens is
+ * upside down and mirrored. */
 
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
+
+/* How a sheet and a printer blur the stripes. Zeroed: unknown. */
+enum { LF_PRINT_CROSSTALK = 8 };
+typedef struct lf_print_blur {
+    double spot_mm;  /* width of the spot that a lens images onto the print, across the lenses (a
+                      * box); 0: half a stripe */
+    double dot_gain; /* at 50 %: 0.15 means that 50 % prints as 65 % dark; a prints as
+                      * a + 4 gain a (1 - a); 0: none */
+    double ink_mm;   /* standard deviation of the printer's lateral spread of ink (Gaussian, across
+                      * the lenses); 0: none */
+    int n_crosstalk; /* measured: crosstalk[n + k] is the share of view i + k that is seen at view
+                      * i, for k = -n to n; sum 1. 0: unknown */
+    double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
+} lf_print_blur;
+
+typedef enum lf_lens_grid { LF_LENS_LINEAR, LF_LENS_SQUARE, LF_LENS_HEXAGONAL } lf_lens_grid;
+typedef enum lf_lens_map { LF_MAP_AUTO, LF_MAP_UNIFORM, LF_MAP_EXACT } lf_lens_map;
+
+/* Zeroed: a straight linear sheet whose optics are unknown. */
+typedef struct lf_optics {
+    double slant;        /* degrees, of the axis of the lenses, clockwise: -60..60 */
+    lf_lens_grid grid;   /* square and hexagonal: one lens per point, views in both axes */
+    lf_lens_map map;     /* auto: exact if thickness and distance are known */
+    double thickness_mm; /* from the top of a lens to the print; 0: unknown */
+    double index;        /* refractive index; 0: unknown, LF_USUAL_INDEX */
+    double radius_mm;    /* of the lens surface; 0: unknown */
+    double angle;        /* viewing angle in degrees as the maker says; 0: unknown */
+    double distance_mm;  /* viewing distance for which lpi was measured; 0: unknown */
+    /* Micro sheets (square and hexagonal) only: rows of views, 0 = as many as columns; and the
+     * offset down of the lens at the middle, -100..100 */
+    int view_rows;
+    double phase_down_mm;
+} lf_optics;
+
+#define LF_USUAL_INDEX 1.56
+
+static inline double lf_optics_index(const lf_optics *optics)
+{
+    return optics->index > 0.0 ? optics->index : LF_USUAL_INDEX;
+}
 
 /* Zeroed members after the line are a valid default. */
 typedef struct lf_print {
@@ -49,6 +109,7 @@ typedef struct lf_print {
     int bits; /* 8 or 16 */
     /* for a pitch test chart (lf_chart_write): lpi - range to lpi + range, one band per step */
     double chart_range, chart_step;
+    lf_print_blur blur;
     /* NULL = sRGB; otherwise an RGB or CMYK display, output or colour space profile, at most 16
      * MiB */
     const char *icc_path;
@@ -60,10 +121,28 @@ typedef struct lf_print {
      * They are placed on the raster as photo says, with white borders. A view without a border
      * inside the trim size covers the whole raster. 0 = stretched over the raster. */
     double view_aspect;
-    lf_photo photo;         /* its rotate, aspect and frame are not read */
+    lf_photo photo; /* its rotate, aspect and frame are not read */
+    lf_optics optics;
     double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches,
                              * if known; above 1 gives a warning */
+    /* lf_profile_apply's account of profiles, for the manifest; NULL = none */
+    const struct json_t *profiles;
 } lf_print;
+
+/* True if the pitch varies over the sheet by exact refraction (lf_lens_map). */
+static inline bool lf_print_is_exact(const lf_print *print)
+{
+    const lf_optics *o = &print->optics;
+    return o->map != LF_MAP_UNIFORM && o->thickness_mm > 0.0 && o->distance_mm > 0.0;
+}
+
+static inline bool lf_print_is_micro(const lf_print *print)
+{
+    return print->optics.grid != LF_LENS_LINEAR;
+}
+
+/* Rows of views under a lens; 1 for linear sheets. n_views must be set. */
+int lf_print_view_rows(const lf_print *print);
 
 /* The user's options of a print: names, ranges and defaults (base/param.h). */
 extern const lf_param lf_print_params[];
@@ -98,7 +177,15 @@ LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const 
  * need not transpose them.
  *
  * Horizontal lenses, not rolled (upright pictures): view_width is the raster's width, view_height
- * the number of lenses. */
+ * the number of lenses.
+ *
+ * Slanted lenses: the same with samples 25.4/lpi / cos(slant) apart across the lenses. Sample c is
+ * the lens first_lens + c where its axis crosses the middle row (column). The samples reach half a
+ * lens further than the lenses that touch the raster. In other rows the lens's sample is
+ * interpolated between two, at the axis.
+ *
+ * Micro sheets: one sample per lens both ways; hexagonal sheets have two per lens along a row. They
+ * are interpolated at the middle of a lens where the sheet leans. */
 typedef struct lf_print_shape {
     /* pixels of the picture with bleed: round((size + 2 bleed) * dpi / 25.4), each way by its own
      * dpi */
@@ -110,6 +197,8 @@ typedef struct lf_print_shape {
     int n_lenses, n_along;         /* the same two numbers, across and along the lenses */
     /* lens number of sample 0; lens 0 is centred on the middle (plus phase) */
     int first_lens;
+    /* Position of the middle of sample 0 and distance of samples, across and along, on the print */
+    double first_across_mm, first_along_mm, step_across_mm, step_along_mm;
     double window_width_mm, window_height_mm;
     double window_center_x_mm,
         /* middle of the window from the middle of the print, in the views' picture, right and
@@ -119,9 +208,12 @@ typedef struct lf_print_shape {
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
+typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
+
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
-struct json_t;
 typedef struct lf_print_run {
+    lf_print_format format;
+    lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */
@@ -139,10 +231,16 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);
 
-/* Interlaces and streams the TIFF to tiff->fd (seekable, empty), then writes the manifest JSON. The
- * caller commits both, or abandons both on failure. Memory in addition to the views is a few MB;
- * BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date). The
- * manifest's sha256 is null if the TIFF's descriptor cannot be read back.
+/* Checks that the disk has room for the file, so that nobody renders in vain. A compressed file
+ * counts as a tenth of its raster. path: its name, in a folder that exists. print must have passed
+ * lf_print_check. LF_E_IO: it does not fit. */
+LF_NODISCARD lf_status lf_print_check_room(const lf_print *print, lf_print_format format,
+                                           const char *path, lf_error *err);
+
+/* Interlaces and streams the TIFF or PDF to tiff->fd (seekable, empty), then writes the manifest
+ * JSON. The caller commits both, or abandons both on failure. Memory in addition to the views is a
+ * few MB; BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date).
+ * The manifest's sha256 is null if the TIFF's descriptor cannot be read back.
  *
  * Views of the shape's size are used unchanged. Others are resampled (by area to a smaller size,
  * linearly to a larger one), which the manifest records. views->n_views may differ from

@@ -1,4 +1,4 @@
-/* Lenticular prints: their views, and the TIFF with its manifest. */
+/* Lenticular prints: their views, and the TIFF or PDF with its manifest. */
 #include <math.h>
 #include <string.h>
 
@@ -36,7 +36,7 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     lf_print_shape_of(&rendered, &shape);
     if (print->horizontal)
         roll(&settings->camera, print->width_mm / print->height_mm);
-    settings->camera.n_views = print->n_views;
+    settings->camera.n_views = print->n_views / lf_print_view_rows(print);
     settings->camera.track = 0.0;
     settings->camera.n_rows = 0;
     settings->camera.aspect = width / height;
@@ -48,6 +48,24 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     settings->window[1] = 0.5 + top / height;
     settings->window[2] = 0.5 + (left + shape.window_width_mm) / width;
     settings->window[3] = 0.5 + (top + shape.window_height_mm) / height;
+}
+
+void lf_output_print_rig(const lf_print *print, lf_camera *camera)
+{
+    if (!lf_print_is_micro(print))
+        return;
+    double distance = 0;
+    for (int k = 0; k < 3; k++)
+        distance +=
+            (camera->target[k] - camera->position[k]) * (camera->target[k] - camera->position[k]);
+    /* the whole width of a lens shows the cone; a hexagon is higher than wide */
+    const double reach = 2 * sqrt(distance) * tan(0.5 * camera->cone),
+                 height = print->optics.grid == LF_LENS_HEXAGONAL ? 2 / sqrt(3) : 1;
+    const int rows = lf_print_view_rows(print), columns = camera->n_views;
+    camera->n_rows = rows;
+    camera->track = reach * (columns - 1) / columns;
+    camera->rows_height = reach * height * (rows - 1) / rows;
+    camera->own_windows = false;
 }
 
 static char *manifest_path(const char *path)
@@ -68,9 +86,16 @@ char *output_print_file(const char *path, int i)
     return i == 0 ? lf_strdup(path) : manifest_path(path);
 }
 
+lf_print_format lf_output_print_format(const char *path)
+{
+    return lf_path_has_ending(path, ".pdf") ? LF_PRINT_PDF : LF_PRINT_TIFF;
+}
+
 lf_print_run output_print_run(const lf_output_request *request)
 {
-    return (lf_print_run){.settings = request->settings,
+    return (lf_print_run){.format = lf_output_print_format(request->path),
+                          .pool = request->pool,
+                          .settings = request->settings,
                           .cancel = request->cancel,
                           .progress = request->progress,
                           .context = request->context};
@@ -112,7 +137,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
 }
 
-const char *const output_print_endings[] = {".tif", ".tiff", NULL};
+const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};
 
 const lf_output_kind lf_output_print = {.name = "print",
                                         .what = "a print",

@@ -398,25 +398,39 @@ lf_status lf_chart_read(const lf_print *print, const lf_chart_photo *photo, cons
     return status;
 }
 
-json_t *lf_chart_reading_json(const lf_chart_reading *reading, const char *sha256)
+/* Keys that only some readings have. */
+static void add_known(json_t *json, const lf_chart_reading *reading, const char *sha256)
 {
-    json_t *shares = json_array(), *warnings = json_array();
-    char line[512];
+    json_t *shares = reading->n_crosstalk > 0 ? json_array() : NULL;
     for (int i = 0; shares && i < reading->n_crosstalk; i++)
         json_array_append_new(shares, json_real(reading->crosstalk[i]));
+    if (shares)
+        json_object_set_new(json, "crosstalk", shares);
+    if (reading->has_order)
+        json_object_set_new(json, "order",
+                            json_string(reading->is_reversed ? "reversed" : "normal"));
+    if (reading->mechanical_lpi > 0.0)
+        json_object_set_new(json, "mechanical_lpi", json_real(reading->mechanical_lpi));
+    if (sha256)
+        json_object_set_new(json, "chart_sha256", json_string(sha256));
+}
+
+json_t *lf_chart_reading_json(const lf_chart_reading *reading, const char *sha256)
+{
+    json_t *warnings = json_array();
+    char line[512];
     for (size_t at = 0; warnings && lf_image_notes_next(&reading->notes, &at, line, sizeof line);)
         json_array_append_new(warnings, json_string(line));
-    return json_pack(
-        "{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o, s:s?, s:[f,f,f], s:f, s:f, "
-        "s:o}",
+    json_t *json = json_pack(
+        "{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[f,f,f], s:f, s:f, s:o}",
         "quiltd_chart_reading", 1, "visual_lpi", reading->visual_lpi, "error_lpi",
         reading->error_lpi, "camera_lpi", reading->camera_lpi, "error_camera_lpi",
         reading->error_camera_lpi, "distance_mm", reading->distance_mm, "phase_mm",
-        reading->phase_mm, "error_phase_mm", reading->error_phase_mm, "skew_deg", reading->skew_deg,
-        "error_skew_deg", reading->error_skew_deg, "order",
-        reading->has_order ? json_string(reading->is_reversed ? "reversed" : "normal")
-                           : json_null(),
-        "crosstalk", shares, "chart_sha256", sha256, "camera_mm", reading->camera_mm[0],
-        reading->camera_mm[1], reading->camera_mm[2], "fit", reading->fit, "px_per_mm",
-        reading->px_per_mm, "warnings", warnings);
+        reading->phase_mm, "error_phase_mm", reading->error_phase_mm, "skew_deg",
+        reading->skew_deg, "error_skew_deg", reading->error_skew_deg, "camera_mm",
+        reading->camera_mm[0], reading->camera_mm[1], reading->camera_mm[2], "fit", reading->fit,
+        "px_per_mm", reading->px_per_mm, "warnings", warnings);
+    if (json)
+        add_known(json, reading, sha256);
+    return json;
 }

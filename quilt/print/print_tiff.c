@@ -292,3 +292,41 @@ void lf_print_tiff_abandon(lf_print_tiff *tiff)
         TIFFCleanup(tiff->tiff);
     lf_free(tiff);
 }
+
+/* -------------------------------------------------------------------------------------- sink -- */
+
+static lf_status sink_open(lf_outfile *file, const lf_print_page *page,
+                           const lf_print_colour *colour, int rows_per_strip, void **out_state,
+                           lf_error *err)
+{
+    lf_print_tiff *tiff = NULL;
+    const lf_status status = lf_print_tiff_open(file, page, colour, rows_per_strip, &tiff, err);
+    *out_state = tiff;
+    return status;
+}
+
+static int sink_strip_rows(const void *state)
+{
+    return lf_print_tiff_strip_rows(state);
+}
+
+static lf_status sink_write(void *state, lf_print_strip *strip, lf_error *err)
+{
+    return lf_print_tiff_strip(state, strip->index, strip->data, strip->size, err);
+}
+
+static lf_status sink_close(void *state, lf_error *err)
+{
+    return lf_print_tiff_close(state, err);
+}
+
+static void sink_abandon(void *state)
+{
+    lf_print_tiff_abandon(state);
+}
+
+const lf_print_sink lf_print_tiff_sink = {.open = sink_open,
+                                          .strip_rows = sink_strip_rows,
+                                          .write = sink_write,
+                                          .close = sink_close,
+                                          .abandon = sink_abandon};

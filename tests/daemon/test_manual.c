@@ -88,6 +88,8 @@ static void every_option_of_a_print_stands_in_the_manual_of_quiltrender(void **s
             fail_msg("%s is missing in the guide", head);
         check_option(page, row, true);
     }
+    for (const lf_param *row = lf_profile_params; row->option; row++)
+        check_option(page, row, true);
     lf_free(page);
     lf_free(guide);
 }
@@ -149,7 +151,8 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         at = strstr(at, "--") + 2;
         snprintf(option, sizeof option, "%.*s", (int)strcspn(at, " ,\n"), at);
         const lf_param own = {.option = option};
-        if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
+        if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_profile_params, option) &&
+            !lf_param_find(lf_option_params, option) &&
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
             !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
             !lf_param_find(lf_video_params, option) && !lf_param_find(lf_photo_params, option) &&
