@@ -31,6 +31,12 @@ typedef struct lf_print_arguments {
     const char *option;        /* the first option that needs --print or --chart */
 } lf_print_arguments;
 
+/* Reading a photo of a chart (read_chart.h). */
+typedef struct lf_read_chart_arguments {
+    const char *photo; /* NULL: not asked */
+    const char *chart; /* its manifest; NULL: chart.json beside the photo */
+} lf_read_chart_arguments;
+
 /* The parsed command line. */
 typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
@@ -49,6 +55,7 @@ typedef struct lf_render_arguments {
     int n_budgets;    /* number of budgets, error targets included: 0 or 1 */
     const char *render_option; /* the first option that needs path tracing */
     lf_print_arguments of_print;
+    lf_read_chart_arguments read_chart;
     const char *panel_option; /* the first option that needs --panel */
     lf_print print;           /* of the options alone */
     lf_panel_options panel;

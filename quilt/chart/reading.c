@@ -421,15 +421,15 @@ json_t *lf_chart_reading_json(const lf_chart_reading *reading, const char *sha25
     char line[512];
     for (size_t at = 0; warnings && lf_image_notes_next(&reading->notes, &at, line, sizeof line);)
         json_array_append_new(warnings, json_string(line));
-    json_t *json = json_pack(
-        "{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[f,f,f], s:f, s:f, s:o}",
-        "quiltd_chart_reading", 1, "visual_lpi", reading->visual_lpi, "error_lpi",
-        reading->error_lpi, "camera_lpi", reading->camera_lpi, "error_camera_lpi",
-        reading->error_camera_lpi, "distance_mm", reading->distance_mm, "phase_mm",
-        reading->phase_mm, "error_phase_mm", reading->error_phase_mm, "skew_deg",
-        reading->skew_deg, "error_skew_deg", reading->error_skew_deg, "camera_mm",
-        reading->camera_mm[0], reading->camera_mm[1], reading->camera_mm[2], "fit", reading->fit,
-        "px_per_mm", reading->px_per_mm, "warnings", warnings);
+    json_t *json =
+        json_pack("{s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:[f,f,f], s:f, s:f, s:o}",
+                  "quiltd_chart_reading", 1, "visual_lpi", reading->visual_lpi, "error_lpi",
+                  reading->error_lpi, "camera_lpi", reading->camera_lpi, "error_camera_lpi",
+                  reading->error_camera_lpi, "distance_mm", reading->distance_mm, "phase_mm",
+                  reading->phase_mm, "error_phase_mm", reading->error_phase_mm, "skew_deg",
+                  reading->skew_deg, "error_skew_deg", reading->error_skew_deg, "camera_mm",
+                  reading->camera_mm[0], reading->camera_mm[1], reading->camera_mm[2], "fit",
+                  reading->fit, "px_per_mm", reading->px_per_mm, "warnings", warnings);
     if (json)
         add_known(json, reading, sha256);
     return json;
