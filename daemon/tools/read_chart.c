@@ -20,7 +20,7 @@
 typedef struct manifest {
     char *path;
     json_t *json;
-    lf_print print; /* its texts are NULL */
+    lf_print print;
 } manifest;
 
 /* chart.json beside the photo, unless another one is named. */
@@ -32,6 +32,22 @@ static char *manifest_path(const lf_read_chart_arguments *a)
     char *path = folder ? lf_path_join(folder, "chart.json") : NULL;
     lf_free(folder);
     return path;
+}
+
+/* The options that a chart's layout follows from. */
+static lf_status take_options(manifest *chart, lf_error *err)
+{
+    static const char *const keys[] = {"lpi",   "range",  "step",       "dpi",
+                                       "width", "height", "orientation"};
+    const json_t *options = json_object_get(chart->json, "options");
+    json_t *own = json_object();
+    for (size_t i = 0; own && i < sizeof keys / sizeof *keys; i++)
+        json_object_set(own, keys[i], json_object_get(options, keys[i]));
+    lf_param_defaults(lf_print_params, &chart->print);
+    const lf_status status =
+        lf_param_from_json(lf_print_params, own, &chart->print, chart->path, err);
+    json_decref(own);
+    return status;
 }
 
 static lf_status open_manifest(const lf_read_chart_arguments *a, manifest *out, lf_error *err)
@@ -53,11 +69,7 @@ static lf_status open_manifest(const lf_read_chart_arguments *a, manifest *out, 
     if (!json_is_object(json_object_get(out->json, "chart")))
         return lf_error_set(err, LF_E_FORMAT, out->path,
                             "is not the manifest of a chart; make one with --chart");
-    lf_param_defaults(lf_print_params, &out->print);
-    status = lf_param_from_json(lf_print_params, json_object_get(out->json, "options"), &out->print,
-                                out->path, err);
-    out->print.icc_path = NULL;
-    return status;
+    return take_options(out, err);
 }
 
 /* What options and the profile say of the sheet; options win. */
@@ -114,8 +126,9 @@ static void print_reading(const lf_render_arguments *a, const manifest *chart,
            r->camera_mm[2], r->camera_mm[0], r->camera_mm[1], r->camera_lpi, r->error_camera_lpi);
     printf("phase  %+.4f +- %.4f mm\n", r->phase_mm, r->error_phase_mm);
     printf("skew   %+.3f +- %.3f degrees, clockwise\n", r->skew_deg, r->error_skew_deg);
-    if (r->has_order)
-        printf("order  %s\n", r->is_reversed ? "reversed: print with --reverse" : "normal");
+    printf("order  %s\n", !r->has_order    ? "not told by this photo; take one from further aside"
+                          : r->is_reversed ? "reversed: print with --reverse"
+                                           : "normal");
     if (r->n_crosstalk > 0) {
         printf("views  of %d, from %d left to %d right:", 8, LF_CHART_KERNEL, LF_CHART_KERNEL);
         for (int i = 0; i < r->n_crosstalk; i++)

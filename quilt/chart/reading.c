@@ -24,6 +24,7 @@
 #define TURNED_CONTRAST 0.15
 #define SD_SCALE 1e-3 /* of lengths by the marks, which lenses cut into columns */
 #define ORDER_RATIO 0.5
+#define SMOOTHING 0.5 /* of the crosstalk's second differences; a sample weighs 1 */
 
 /* State of reading a photo. */
 typedef struct reader {
@@ -202,7 +203,7 @@ typedef struct codes {
 /* Light by the difference of views, in bins of one view. */
 typedef struct kernel {
     double light[LF_CHART_CODES];
-    bool is_whole; /* every bin was seen */
+    bool is_fitted;
 } kernel;
 
 static bool sample_codes(reader *r, double black, double white, codes *out)
@@ -237,24 +238,43 @@ static double bins_of(const codes *c, int i, bool is_reversed, int *out_a, int *
     return view - low;
 }
 
-/* Means by bin; returns the sum of squares that they leave. */
+/* Adds (sum of factor[k] light[k] - right)^2 to the normal equations a, b. */
+static void add_equation(const double *factor, double right, double *a, double *b)
+{
+    for (int k = 0; k < LF_CHART_CODES; k++) {
+        b[k] += factor[k] * right;
+        for (int l = 0; l < LF_CHART_CODES; l++)
+            a[k * LF_CHART_CODES + l] += factor[k] * factor[l];
+    }
+}
+
+/* Fits light that is linear between the bins, and a little smooth where samples lack; returns the
+ * sum of squares that remains. */
 static double kernel_of(const codes *c, bool is_reversed, kernel *out)
 {
-    double weight[LF_CHART_CODES] = {0}, left = 0.0;
-    int a, b;
-    *out = (kernel){.is_whole = true};
+    double a[LF_CHART_CODES * LF_CHART_CODES] = {0}, b[LF_CHART_CODES] = {0}, left = 0.0;
+    int low, high;
+    *out = (kernel){0};
     for (int i = 0; i < c->n; i++) {
-        const double part = bins_of(c, i, is_reversed, &a, &b);
-        out->light[a] += (1.0 - part) * c->light[i], weight[a] += 1.0 - part;
-        out->light[b] += part * c->light[i], weight[b] += part;
+        double factor[LF_CHART_CODES] = {0};
+        const double part = bins_of(c, i, is_reversed, &low, &high);
+        factor[low] = 1.0 - part;
+        factor[high] = part;
+        add_equation(factor, c->light[i], a, b);
     }
     for (int k = 0; k < LF_CHART_CODES; k++) {
-        out->is_whole = out->is_whole && weight[k] > 1.0;
-        out->light[k] = fmax(out->light[k] / fmax(weight[k], 1e-9), 0.0);
+        double factor[LF_CHART_CODES] = {0};
+        factor[k] = -2.0 * SMOOTHING;
+        factor[(k + 1) % LF_CHART_CODES] = factor[(k + LF_CHART_CODES - 1) % LF_CHART_CODES] =
+            SMOOTHING;
+        add_equation(factor, 0.0, a, b);
     }
+    out->is_fitted = lf_chart_solve(LF_CHART_CODES, 1, a, b);
+    for (int k = 0; k < LF_CHART_CODES && out->is_fitted; k++)
+        out->light[k] = fmax(b[k], 0.0);
     for (int i = 0; i < c->n; i++) {
-        const double part = bins_of(c, i, is_reversed, &a, &b);
-        const double off = c->light[i] - (1.0 - part) * out->light[a] - part * out->light[b];
+        const double part = bins_of(c, i, is_reversed, &low, &high);
+        const double off = c->light[i] - (1.0 - part) * out->light[low] - part * out->light[high];
         left += off * off;
     }
     return left;
@@ -277,7 +297,7 @@ static void read_crosstalk(reader *r, lf_chart_reading *out)
     out->has_order = fmin(left, left_reversed) < ORDER_RATIO * fmax(left, left_reversed);
     out->is_reversed = out->has_order && left_reversed < left;
     const kernel *own = out->is_reversed ? &reversed : &straight;
-    if (!out->has_order || !own->is_whole)
+    if (!own->is_fitted)
         return;
     out->n_crosstalk = 2 * LF_CHART_KERNEL + 1;
     for (int i = 0; i < out->n_crosstalk; i++) {

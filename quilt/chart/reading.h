@@ -33,6 +33,7 @@ typedef struct lf_chart_reading {
     double phase_mm, error_phase_mm; /* of the lens at the middle, to the right: +- half a pitch */
     double skew_deg, error_skew_deg; /* clockwise */
     double camera_mm[3]; /* right and down from the middle of the chart, distance from its plane */
+    /* has_order false: seen from where both orders look alike */
     bool has_order, is_reversed;
     int n_crosstalk;                           /* 2 LF_CHART_KERNEL + 1, or 0: unknown */
     double crosstalk[2 * LF_CHART_KERNEL + 1]; /* share of view i + k, k = -LF_CHART_KERNEL … */

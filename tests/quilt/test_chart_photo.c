@@ -84,7 +84,7 @@ static void photos_give_pitch_phase_and_skew(void **state)
 {
     const int n = getenv("QUILTD_LONG") ? 200 : 3;
     static spread own, far, phase, skew;
-    int within = 0;
+    int within = 0, n_order = 0;
     (void)state;
     for (int i = 0; i < n; i++) {
         const lf_shot shot = lf_shot_usual((uint64_t)i);
@@ -106,7 +106,8 @@ static void photos_give_pitch_phase_and_skew(void **state)
                           i, own.error[i], r.error_camera_lpi, far.error[i], r.error_lpi,
                           phase.error[i], r.error_phase_mm, skew.error[i], shot.tilt_deg,
                           shot.direction_deg, shot.focal_35mm, shot.thickness_mm, eye[2]);
-        assert_true(r.has_order && !r.is_reversed);
+        assert_true(!r.is_reversed);
+        n_order += r.has_order;
         assert_int_equal(r.n_crosstalk, 7);
     }
     tell("pitch at the camera's distance", "lpi", &own, n);
@@ -117,7 +118,9 @@ static void photos_give_pitch_phase_and_skew(void **state)
     assert_true(far.error[n - 1] < 0.005); /* the focal length is known to 1 mm only */
     assert_true(phase.error[n - 1] < 0.01);
     assert_true(skew.error[n - 1] < 0.01);
+    print_message("%d of %d within three standard errors; order of %d\n", within, n, n_order);
     assert_true(within >= n * 9 / 10);
+    assert_true(n_order >= n * 2 / 3);
 }
 
 /* ------------------------------------------------------------------------- what must not be read
