@@ -16,6 +16,7 @@
 #define N_LINEAR (N_LIGHT + N_WAVE + 2)
 #define N_SHEET 3
 #define ITERATIONS 25
+#define MOST_STEPS 2e9 /* of the first search */
 
 static double band_per_mm(const lf_chart *chart, int band)
 {
@@ -334,6 +335,16 @@ static void judge(const lf_chart *chart, const lf_chart_samples *g, lf_chart_she
             sheet->covariance[k][l] = variance * inverse[k * N_SHEET + l];
 }
 
+/* How many steps the first search takes: of a chart far larger than any sheet, too many. */
+static double steps_of(const lf_chart *chart, const lf_chart_samples *g)
+{
+    const double rows = (double)g->n_bands * g->rows_of_band, middle = chart->lpi / 25.4;
+    const double pitches = 2.0 * (0.5 * chart->n_bands * chart->step + BEYOND_LPI) / 25.4 *
+                           g->half_width / STEP_CYCLES;
+    const double angles = MOST_ANGLE * middle * chart->n_bands * chart->band_height / STEP_CYCLES;
+    return pitches * rows * (g->n_columns + angles);
+}
+
 lf_status lf_chart_sheet_fit(const lf_chart *chart, const lf_chart_optics *optics,
                              const lf_chart_samples *samples, lf_chart_sheet *out, lf_error *err)
 {
@@ -344,8 +355,9 @@ lf_status lf_chart_sheet_fit(const lf_chart *chart, const lf_chart_optics *optic
                 .rows = lf_calloc(rows, sizeof *s.rows),
                 .depth = lf_calloc(rows, sizeof *s.depth)};
     lf_chart_sheet sheet = {0};
+    const bool is_small = steps_of(chart, samples) < MOST_STEPS;
     const bool have = s.waves && s.rows && s.depth;
-    if (have) {
+    if (have && is_small) {
         take_waves(&s);
         search_grid(&s, lf_chart_reach(optics) / optics->distance, &sheet);
         descend(chart, samples, &sheet);
@@ -355,6 +367,9 @@ lf_status lf_chart_sheet_fit(const lf_chart *chart, const lf_chart_optics *optic
     lf_free(s.waves);
     lf_free(s.rows);
     lf_free(s.depth);
+    if (!is_small)
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "is too large to be read; print one with a smaller range or size");
     return have ? LF_OK
                 : lf_error_set(err, LF_E_NOMEM, "chart", "not enough memory to fit the fringes");
 }

@@ -267,6 +267,38 @@ static void compress(const lf_shot *shot, uint8_t *photo)
     free(bytes);
 }
 
+void lf_photo_write(const char *path, const uint8_t *photo, const lf_shot *shot, int focal_35mm)
+{
+    /* a TIFF with a pointer to the EXIF directory, and this with one entry, 0xa405 */
+    uint8_t exif[] = {'E',  'x',  'i', 'f', 0, 0, 'I', 'I', '*', 0, 8, 0, 0, 0, 1, 0, 0x69,
+                      0x87, 4,    0,   1,   0, 0, 0,   26,  0,   0, 0, 0, 0, 0, 0, 1, 0,
+                      0x05, 0xa4, 3,   0,   1, 0, 0,   0,   0,   0, 0, 0, 0, 0, 0, 0};
+    struct jpeg_compress_struct to = {0};
+    struct jpeg_error_mgr errors;
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    to.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&to);
+    jpeg_stdio_dest(&to, file);
+    to.image_width = (JDIMENSION)shot->width;
+    to.image_height = (JDIMENSION)shot->height;
+    to.input_components = 3;
+    to.in_color_space = JCS_RGB;
+    jpeg_set_defaults(&to);
+    jpeg_set_quality(&to, 90, TRUE);
+    jpeg_start_compress(&to, TRUE);
+    exif[40] = (uint8_t)focal_35mm;
+    if (focal_35mm > 0)
+        jpeg_write_marker(&to, JPEG_APP0 + 1, exif, sizeof exif);
+    while (to.next_scanline < to.image_height) {
+        JSAMPROW row = (JSAMPROW)(uintptr_t)photo + 3 * (size_t)shot->width * to.next_scanline;
+        jpeg_write_scanlines(&to, &row, 1);
+    }
+    jpeg_finish_compress(&to);
+    jpeg_destroy_compress(&to);
+    assert_int_equal(fclose(file), 0);
+}
+
 uint8_t *lf_photograph(const lf_paper *paper, const lf_shot *shot)
 {
     float *light = calloc((size_t)shot->width * (size_t)shot->height, sizeof *light);

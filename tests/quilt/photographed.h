@@ -40,6 +40,8 @@ void lf_paper_make(const lf_printed *printed, double right_mm, double down_mm, d
 void lf_paper_finish(lf_paper *paper);
 /* [height][width][3]; release by free. */
 uint8_t *lf_photograph(const lf_paper *paper, const lf_shot *shot);
+/* A JPEG file of the photo, with EXIF data if focal_35mm is not 0. */
+void lf_photo_write(const char *path, const uint8_t *photo, const lf_shot *shot, int focal_35mm);
 /* Where the camera is: right, down of the middle of the paper, distance from the lenses. */
 void lf_shot_eye(const lf_shot *shot, double out[3]);
 /* What an eye at a distance sees of the sheet's pitch. */

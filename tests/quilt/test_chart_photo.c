@@ -218,6 +218,57 @@ static void wrong_optics_are_found_out(void **state)
     assert_true(fabs(wrong.visual_lpi - lf_shot_visual_lpi(&shot, 1000.0)) > 0.005);
 }
 
+/* Prints the code patches as if views ran the other way under each lens. */
+static void reverse_codes(const lf_printed *printed)
+{
+    const json_t *place = json_object_get(
+        json_object_get(json_object_get(printed->manifest, "chart"), "patches_mm"), "crosstalk");
+    double mm[4];
+    const double pitch = 25.4 / 60.0, dot = paper.right_mm;
+    for (size_t k = 0; k < 4; k++)
+        mm[k] = json_number_value(json_array_get(place, k));
+    assert_true(mm[2] > 10.0);
+    float *row = malloc((size_t)paper.width * sizeof *row);
+    assert_non_null(row);
+    for (int y = (int)(mm[1] / dot); y < (int)((mm[1] + mm[3]) / dot); y++) {
+        float *own = paper.light + (size_t)y * (size_t)paper.width;
+        memcpy(row, own, (size_t)paper.width * sizeof *row);
+        for (int i = 0; i < (int)(mm[2] / dot); i++) {
+            const double x = mm[0] + (i + 0.5) * dot;
+            const double from = 2.0 * pitch * round(x / pitch) - x;
+            own[(int)floor(x / dot + 0.5 * paper.width)] =
+                row[(int)floor(from / dot + 0.5 * paper.width)];
+        }
+    }
+    free(row);
+}
+
+static void views_in_reverse_are_found(void **state)
+{
+    const lf_shot shot = small_shot(9);
+    const lf_print print = chart_of();
+    const size_t size = (size_t)paper.width * (size_t)paper.height * sizeof *paper.light;
+    float *kept = malloc(size);
+    lf_printed printed;
+    lf_chart_reading r;
+    lf_error err = {0};
+    (void)state;
+    assert_non_null(kept);
+    memcpy(kept, paper.light, size);
+    lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
+    assert_true(r.has_order && !r.is_reversed);
+    /* a spot of two of eight views, seen from between them: own view, half of each neighbour */
+    lf_assert_close(r.crosstalk[3], 0.48, 0.0, 0.08);
+    lf_assert_close(r.crosstalk[2] + r.crosstalk[4], 0.5, 0.0, 0.08);
+    lf_printed_chart(&print, &printed);
+    reverse_codes(&printed);
+    lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
+    assert_true(r.has_order && r.is_reversed);
+    memcpy(paper.light, kept, size);
+    lf_printed_finish(&printed);
+    free(kept);
+}
+
 static void an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera(void **state)
 {
     lf_shot shot = small_shot(3);
@@ -244,6 +295,7 @@ int main(void)
         cmocka_unit_test(wrong_photos_are_refused_in_words),
         cmocka_unit_test(a_photo_of_another_chart_is_refused),
         cmocka_unit_test(wrong_optics_are_found_out),
+        cmocka_unit_test(views_in_reverse_are_found),
         cmocka_unit_test(an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera)};
     return cmocka_run_group_tests(tests, print_it, put_away);
 }
