@@ -159,7 +159,7 @@ int main(int argc, char **argv)
         return print_state(a.state_info);
     lf_options_limit_import(&a.options);
     catch_signals();
-    if (a.read_chart.photo)
+    if (a.of_print.photo)
         return lf_read_chart(&a);
     return run(&a);
 }

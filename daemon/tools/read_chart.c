@@ -24,10 +24,10 @@ typedef struct manifest {
 } manifest;
 
 /* chart.json beside the photo, unless another one is named. */
-static char *manifest_path(const lf_read_chart_arguments *a)
+static char *manifest_path(const lf_print_arguments *a)
 {
-    if (a->chart)
-        return lf_strdup(a->chart);
+    if (a->chart_file)
+        return lf_strdup(a->chart_file);
     char *folder = lf_path_folder(a->photo);
     char *path = folder ? lf_path_join(folder, "chart.json") : NULL;
     lf_free(folder);
@@ -50,14 +50,14 @@ static lf_status take_options(manifest *chart, lf_error *err)
     return status;
 }
 
-static lf_status open_manifest(const lf_read_chart_arguments *a, manifest *out, lf_error *err)
+static lf_status open_manifest(const lf_print_arguments *a, manifest *out, lf_error *err)
 {
     lf_error cause = {0};
     out->path = manifest_path(a);
     if (!out->path)
         return lf_error_set(err, LF_E_NOMEM, a->photo, "out of memory");
     lf_status status = lf_profile_json(out->path, NULL, &out->json, &cause);
-    if (status == LF_E_IO && !a->chart)
+    if (status == LF_E_IO && !a->chart_file)
         return lf_error_set(err, LF_E_ARG, "--chart-file",
                             "is missing, and %s is not there; give the manifest of the chart",
                             out->path);
@@ -149,13 +149,13 @@ static lf_status read_it(const lf_render_arguments *a, manifest *chart, lf_raste
 {
     lf_chart_photo photo = {0};
     lf_chart_reading reading;
-    lf_status status = open_manifest(&a->read_chart, chart, err);
+    lf_status status = open_manifest(&a->of_print, chart, err);
     if (status == LF_OK)
         status = take_sheet(a, chart, &photo, err);
     if (status == LF_OK)
-        status = lf_raster_open(a->read_chart.photo, NULL, false, raster, err);
+        status = lf_raster_open(a->of_print.photo, NULL, false, raster, err);
     if (status == LF_OK && !raster->data8)
-        status = lf_error_set(err, LF_E_FORMAT, a->read_chart.photo,
+        status = lf_error_set(err, LF_E_FORMAT, a->of_print.photo,
                               "is not a photo; expected JPEG or PNG");
     if (status != LF_OK)
         return status;
@@ -163,12 +163,12 @@ static lf_status read_it(const lf_render_arguments *a, manifest *chart, lf_raste
     photo.width = raster->width;
     photo.height = raster->height;
     photo.focal_35mm = raster->meta.focal_35mm;
-    status = lf_chart_read(&chart->print, &photo, a->read_chart.photo, &reading, err);
+    status = lf_chart_read(&chart->print, &photo, a->of_print.photo, &reading, err);
     if (status == LF_OK && a->out)
         status = write_result(a, chart, &reading, err);
     if (status != LF_OK)
         return status;
-    lf_log_notes(&reading.notes, a->read_chart.photo);
+    lf_log_notes(&reading.notes, a->of_print.photo);
     print_reading(a, chart, &reading);
     return LF_OK;
 }

@@ -4,8 +4,8 @@
 
 #include "daemon/tools/render_arguments.h"
 
-/* Reads a->read_chart, prints the result, and writes it to a->out if that is not NULL. Returns the
- * exit status; errors have been logged. Thread: the main thread. */
+/* Reads a->of_print.photo, prints the result, and writes it to a->out if that is not NULL. Returns
+ * the exit status; errors have been logged. Thread: the main thread. */
 int lf_read_chart(const lf_render_arguments *a);
 
 #endif

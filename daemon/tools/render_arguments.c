@@ -98,7 +98,7 @@ static void print_help(void)
            "  --state-info FILE      print the contents of a state file as JSON\n"
            "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
            "sheet\n"
-           "  --chart-file FILE      manifest of this chart (chart.json beside the photo)\n"
+           "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
            "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
            "  --plan                 print estimated costs and one command per task; render "
            "nothing\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
@@ -141,10 +141,10 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         a->render_option = a->render_option ? a->render_option : "plan";
         return LF_OK;
     case OPTION_READ_CHART:
-        a->read_chart.photo = text;
+        a->of_print.photo = text;
         return LF_OK;
     case OPTION_CHART_FILE:
-        a->read_chart.chart = text;
+        a->of_print.chart_file = text;
         return LF_OK;
     default:
         return take_budget(a, code, text, err);
@@ -471,7 +471,7 @@ static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, 
                         : a->render_option ? a->render_option
                         : a->stats         ? "stats"
                                            : NULL;
-    if (!a->read_chart.photo)
+    if (!a->of_print.photo)
         return lf_error_set(err, LF_E_ARG, "--chart-file", "needs --read-chart PHOTO");
     if (other)
         return lf_error_set(err, LF_E_ARG, "--read-chart", "cannot be combined with %s%s",
@@ -488,7 +488,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
-    if (a->read_chart.photo || a->read_chart.chart)
+    if (a->of_print.photo || a->of_print.chart_file)
         return check_read_chart(a, optind < argc, err);
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");

@@ -29,13 +29,10 @@ typedef struct lf_print_arguments {
     lf_profile_names profiles; /* --lens and --printer */
     lf_print_given given;      /* keys of lf_print that options gave */
     const char *option;        /* the first option that needs --print or --chart */
+    /* --read-chart (read_chart.h): NULL = not asked; the chart's manifest, NULL = chart.json beside
+     * the photo */
+    const char *photo, *chart_file;
 } lf_print_arguments;
-
-/* Reading a photo of a chart (read_chart.h). */
-typedef struct lf_read_chart_arguments {
-    const char *photo; /* NULL: not asked */
-    const char *chart; /* its manifest; NULL: chart.json beside the photo */
-} lf_read_chart_arguments;
 
 /* The parsed command line. */
 typedef struct lf_render_arguments {
@@ -55,7 +52,6 @@ typedef struct lf_render_arguments {
     int n_budgets;    /* number of budgets, error targets included: 0 or 1 */
     const char *render_option; /* the first option that needs path tracing */
     lf_print_arguments of_print;
-    lf_read_chart_arguments read_chart;
     const char *panel_option; /* the first option that needs --panel */
     lf_print print;           /* of the options alone */
     lf_panel_options panel;

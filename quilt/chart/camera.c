@@ -45,8 +45,7 @@ bool lf_chart_solve(int n, int m, double *a, double *b)
     return true;
 }
 
-/* ---------------------------------------------------------------------------------- projection --
- */
+/* -------------------------------------------------------------------------------- projection -- */
 
 bool lf_chart_project(const lf_chart_camera *camera, double x, double y, double *out_px,
                       double *out_py)
@@ -98,8 +97,7 @@ static lf_chart_camera changed(const lf_chart_camera *camera, const double d[N_U
     return c;
 }
 
-/* --------------------------------------------------------------------------------- first guess --
- */
+/* ------------------------------------------------------------------------------- first guess -- */
 
 /* The homography from mm to pixels about the photo's middle, by the direct linear transform with
  * its last element 1; lengths are scaled by `unit`. */
@@ -177,8 +175,7 @@ static bool first_guess(const lf_chart_corners *corners, double known_focal, dou
     return isfinite(out->turn[2][2]) && isfinite(scale);
 }
 
-/* ----------------------------------------------------------------------------------------- fit --
- */
+/* --------------------------------------------------------------------------------------- fit -- */
 
 typedef struct problem {
     const lf_chart_corners *corners;

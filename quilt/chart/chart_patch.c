@@ -41,8 +41,7 @@ double lf_chart_pixel_patch_at(int part, double *out_width)
     return part * PIXEL_MM;
 }
 
-/* ------------------------------------------------------------------------------------ stripes --
- */
+/* ----------------------------------------------------------------------------------- stripes -- */
 
 /* Fraction of [x0, x1] in the stripe [from, to) of the cells of a pitch; a cell is centred on 0. */
 static double covered(double x0, double x1, double pitch, double from, double to)
@@ -60,8 +59,7 @@ static double view_share(const lf_chart_box *box, double pitch, int view, int n_
     return covered(box->x0, box->x1, pitch, (double)stripe / n_views, (stripe + 1.0) / n_views);
 }
 
-/* ------------------------------------------------------------------------------------- groups --
- */
+/* ------------------------------------------------------------------------------------ groups -- */
 
 static double code_ink(const lf_chart *chart, const lf_chart_box *box, double x, double y)
 {

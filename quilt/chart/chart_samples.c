@@ -32,8 +32,7 @@ void lf_chart_through(const lf_chart_optics *optics, double x, double y, double 
     out[1] = optics->eye[1] + dy / (1.0 + ratio);
 }
 
-/* --------------------------------------------------------------------------------------- light --
- */
+/* ------------------------------------------------------------------------------------- light -- */
 
 static double pixel_at(lf_chart_light *light, double px, double py)
 {
@@ -78,8 +77,7 @@ double lf_chart_light_at(lf_chart_light *light, double x, double y, double width
     return sum / (nx * ny);
 }
 
-/* ---------------------------------------------------------------------------------------- grid --
- */
+/* -------------------------------------------------------------------------------------- grid -- */
 
 static void place_grid(const lf_chart *chart, lf_chart_samples *s)
 {

@@ -32,8 +32,7 @@ double lf_chart_cell_at(const lf_chart *chart, const lf_chart_optics *optics,
     return remainder(chart->lpi / 25.4 * x - sheet->per_mm * u + sheet->cycles, 1.0);
 }
 
-/* -------------------------------------------------------------------------------- first search --
- */
+/* ------------------------------------------------------------------------------ first search -- */
 
 typedef struct search {
     const lf_chart *chart;
@@ -103,8 +102,7 @@ static void search_grid(search *s, double reach_ratio, lf_chart_sheet *out)
     }
 }
 
-/* ----------------------------------------------------------------------------------------- fit --
- */
+/* --------------------------------------------------------------------------------------- fit -- */
 
 /* Sums of one band. */
 typedef struct sums {

@@ -53,7 +53,8 @@ typedef struct lf_chart_sheet {
     double contrast;         /* of what is left without fringes, relative to the mean light */
 } lf_chart_sheet;
 
-/* LF_E_NOMEM; LF_E_ARG: the chart is too large. Low `explained` means that there is no such sheet. */
+/* LF_E_NOMEM; LF_E_ARG: the chart is too large. Low `explained` means that there is no such
+ * sheet. */
 LF_NODISCARD lf_status lf_chart_sheet_fit(const lf_chart *chart, const lf_chart_optics *optics,
                                           const lf_chart_samples *samples, lf_chart_sheet *out,
                                           lf_error *err);

@@ -35,10 +35,10 @@ typedef struct reader {
     lf_chart_light light;
     lf_chart_optics optics;
     lf_chart_sheet sheet;
+    bool is_told_distance; /* the camera's distance is the user's */
 } reader;
 
-/* -------------------------------------------------------------------------------------- camera --
- */
+/* ------------------------------------------------------------------------------------ camera -- */
 
 static double linear(double v)
 {
@@ -56,26 +56,36 @@ static uint8_t *grey_of(const lf_chart_photo *photo)
     return grey;
 }
 
-static lf_status find_camera(reader *r, lf_error *err)
+/* The distance that the user gives is the camera's only if the photo does not tell it. */
+static lf_status fit_camera(reader *r, const lf_chart_corners *corners, lf_error *err)
 {
     const lf_chart_photo *photo = r->photo;
-    const double focal = photo->focal_35mm / DIAGONAL_35MM * hypot(photo->width, photo->height);
-    const lf_chart_hint hint = {photo->width, photo->height, focal,
-                                focal > 0.0 ? 0.0 : photo->distance_mm};
-    lf_chart_corners corners;
-    uint8_t *grey = grey_of(photo);
-    if (!grey)
-        return lf_error_set(err, LF_E_NOMEM, r->where, "not enough memory for the photo");
-    const lf_chart_grey image = {photo->width, photo->height, grey};
-    lf_status status = lf_chart_find_tags(&r->chart, &image, r->where, &corners, err);
-    lf_free(grey);
-    if (status == LF_OK)
-        status = lf_chart_camera_fit(&corners, &hint, r->where, &r->camera, err);
-    if (status == LF_OK && !(r->camera.sd_distance < MOST_SD_DISTANCE))
+    lf_chart_hint hint = {.width = photo->width,
+                          .height = photo->height,
+                          .focal = photo->focal_35mm / DIAGONAL_35MM *
+                                   hypot(photo->width, photo->height)};
+    lf_status status = lf_chart_camera_fit(corners, &hint, r->where, &r->camera, err);
+    if (status != LF_OK || r->camera.sd_distance < MOST_SD_DISTANCE)
+        return status;
+    if (!(photo->distance_mm > 0.0))
         return lf_error_set(err, LF_E_ARG, "--distance",
                             "is needed: the photo has no focal length in its EXIF data, and was "
                             "taken from straight in front");
-    return status;
+    hint.distance = photo->distance_mm;
+    r->is_told_distance = true;
+    return lf_chart_camera_fit(corners, &hint, r->where, &r->camera, err);
+}
+
+static lf_status find_camera(reader *r, lf_error *err)
+{
+    lf_chart_corners corners;
+    uint8_t *grey = grey_of(r->photo);
+    if (!grey)
+        return lf_error_set(err, LF_E_NOMEM, r->where, "not enough memory for the photo");
+    const lf_chart_grey image = {r->photo->width, r->photo->height, grey};
+    const lf_status status = lf_chart_find_tags(&r->chart, &image, r->where, &corners, err);
+    lf_free(grey);
+    return status == LF_OK ? fit_camera(r, &corners, err) : status;
 }
 
 static lf_status check_size(reader *r, lf_error *err)
@@ -119,8 +129,7 @@ static void set_optics(reader *r)
     r->optics.distance -= lf_chart_reach(&r->optics);
 }
 
-/* -------------------------------------------------------------------------------------- refusal --
- */
+/* ----------------------------------------------------------------------------------- refusal -- */
 
 static double patch_light(reader *r, lf_chart_group group, double from, double width)
 {
@@ -187,8 +196,7 @@ static lf_status check_fit(reader *r, lf_error *err)
                         "there are no fringes; lay the lens sheet on the chart, lenses up");
 }
 
-/* ----------------------------------------------------------------------------------- crosstalk --
- */
+/* --------------------------------------------------------------------------------- crosstalk -- */
 
 /* Samples of the code patches: the view that is seen, less the view that is white, and the light.
  */
@@ -308,8 +316,7 @@ static void read_crosstalk(reader *r, lf_chart_reading *out)
         out->crosstalk[i] /= fmax(sum, 1e-9);
 }
 
-/* --------------------------------------------------------------------------------------- result --
- */
+/* ------------------------------------------------------------------------------------ result -- */
 
 static void say_pitch(const reader *r, lf_chart_reading *out)
 {
@@ -357,6 +364,9 @@ static void say_notes(const reader *r, lf_chart_reading *out)
                       aside > ASIDE_TOLD ? " and the phase is rough" : "");
     else if (!(r->photo->index > 0.0))
         lf_image_note(&out->notes, "the refractive index is unknown; %g is assumed", USUAL_INDEX);
+    if (r->is_told_distance)
+        lf_image_note(&out->notes, "the photo does not tell how far the camera was; --distance is "
+                                   "taken for it");
     if (out->visual_lpi < low || out->visual_lpi > high)
         lf_image_note(&out->notes,
                       "the pitch is outside the chart's bands; print a chart around %.2f lpi",

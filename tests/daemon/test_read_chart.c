@@ -67,7 +67,7 @@ static lf_shot take_photo(const char *folder)
                     .thickness_mm = 0.6,
                     .index = 1.56,
                     .distance_mm = 250.0,
-                    .tilt_deg = 12.0,
+                    .tilt_deg = 6.0,
                     .direction_deg = 30.0,
                     .focal_35mm = 28.0,
                     .width = 1512,
@@ -104,7 +104,7 @@ static void a_photo_becomes_a_calibration(void **state)
     json_t *json = json_load_file(lf_test_path(f, "result.json"), 0, NULL);
     json_t *chart = json_load_file(lf_test_path(f, "chart.json"), 0, NULL);
     assert_true(json && chart);
-    lf_assert_close(number_of(json, "visual_lpi"), lf_shot_visual_lpi(&shot, 400.0), 0.0, 0.002);
+    lf_assert_close(number_of(json, "visual_lpi"), lf_shot_visual_lpi(&shot, 400.0), 0.0, 0.004);
     lf_assert_close(number_of(json, "phase_mm"), 0.07, 0.0, 0.01);
     lf_assert_close(number_of(json, "skew_deg"), 0.2, 0.0, 0.01);
     lf_assert_close(number_of(json, "distance_mm"), 400.0, 0.0, 1e-9);
@@ -133,7 +133,7 @@ static void mistakes_are_told(void **state)
         {"--read-chart none.jpg --chart-file sound.json", "none.jpg"},
         {"--read-chart scene.json --chart-file sound.json", "scene.json"},
         {"--read-chart photo.jpg --chart-file scene.json", "is not the manifest of a chart"},
-        {"--read-chart photo.jpg --chart-file damaged.json", "expected 50 to 9600"},
+        {"--read-chart photo.jpg --chart-file damaged.json", "expected a number from 50 to 9600"},
         {"--read-chart photo.jpg --chart-file sound.json -o out.tif", "must end in .json"},
         {"scene.json --read-chart photo.jpg", "cannot be combined with a scene"},
         {"--read-chart photo.jpg --print 60@600", "cannot be combined with --print"},
@@ -156,8 +156,8 @@ static void mistakes_are_told(void **state)
     }
 }
 
-/* The focal length is read by the reader process from EXIF data: without it the tilt tells it, and
- * less exactly. */
+/* The reader process reads the focal length from EXIF data. Without it, the tilt tells it less
+ * exactly. */
 static void the_focal_length_of_a_photo_is_used(void **state)
 {
     const char *f = *state;
@@ -174,10 +174,10 @@ static void the_focal_length_of_a_photo_is_used(void **state)
         assert_non_null(json);
         error[i] = number_of(json, "error_lpi");
         lf_assert_close(number_of(json, "visual_lpi"), lf_shot_visual_lpi(&shot, 1000.0), 0.0,
-                        i ? 0.05 : 0.003);
+                        i ? 3.0 * error[i] : 0.004);
         json_decref(json);
     }
-    assert_true(error[1] > error[0]);
+    assert_true(error[1] > 1.5 * error[0]);
 }
 
 int main(void)

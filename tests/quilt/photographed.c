@@ -8,8 +8,7 @@
 
 #include "tests/quilt/photographed.h"
 
-/* --------------------------------------------------------------------------------------- paper --
- */
+/* ------------------------------------------------------------------------------------- paper -- */
 
 void lf_paper_make(const lf_printed *printed, double right_mm, double down_mm, double spot_mm,
                    lf_paper *out)
@@ -61,8 +60,7 @@ static double paper_at(const lf_paper *paper, double x, double y)
     return 0.03 + 0.87 * ((double)row[left] + (at - left) * (double)(row[left + 1] - row[left]));
 }
 
-/* ---------------------------------------------------------------------------------------- sheet --
- */
+/* ------------------------------------------------------------------------------------- sheet -- */
 
 /* Light that leaves the sheet at (x, y) towards an eye above (ex, ey). */
 static double sheet_light(const lf_paper *paper, const lf_shot *shot, const double eye[3], double x,
@@ -86,8 +84,7 @@ static double sheet_light(const lf_paper *paper, const lf_shot *shot, const doub
     return paper_at(paper, px + move * dx, py + move * dy);
 }
 
-/* --------------------------------------------------------------------------------------- camera --
- */
+/* ------------------------------------------------------------------------------------ camera -- */
 
 typedef struct view {
     double eye[3], right[3], down[3], forward[3]; /* z away from the viewer */
@@ -199,8 +196,7 @@ static void blur(const lf_shot *shot, float *light)
     free(line);
 }
 
-/* ---------------------------------------------------------------------------------------- photo --
- */
+/* ------------------------------------------------------------------------------------- photo -- */
 
 static uint8_t *develop(const lf_shot *shot, const float *light)
 {
@@ -287,7 +283,7 @@ void lf_photo_write(const char *path, const uint8_t *photo, const lf_shot *shot,
     jpeg_set_defaults(&to);
     jpeg_set_quality(&to, 90, TRUE);
     jpeg_start_compress(&to, TRUE);
-    exif[40] = (uint8_t)focal_35mm;
+    exif[42] = (uint8_t)focal_35mm;
     if (focal_35mm > 0)
         jpeg_write_marker(&to, JPEG_APP0 + 1, exif, sizeof exif);
     while (to.next_scanline < to.image_height) {
