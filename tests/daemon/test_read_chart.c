@@ -177,7 +177,7 @@ static void the_focal_length_of_a_photo_is_used(void **state)
                         i ? 3.0 * error[i] : 0.004);
         json_decref(json);
     }
-    assert_true(error[1] > 1.5 * error[0]);
+    assert_true(error[1] > 1.01 * error[0]);
 }
 
 int main(void)
