@@ -62,10 +62,10 @@ static lf_status take_profile(const lf_server *server, const char *name, const c
     lf_status status = LF_OK;
     if (!name)
         return LF_OK;
-    if (lf_profile_is_name(name) && !lf_path_has_ending(name, ".json"))
-        path = lf_strdup(name);
-    else
+    if (lf_profile_is_path(name))
         status = lf_server_read_path(server, name, &path, err);
+    else
+        path = lf_strdup(name);
     *out = path;
     return status == LF_OK && !path ? lf_error_set(err, LF_E_NOMEM, name, "out of memory") : status;
 }
@@ -99,6 +99,9 @@ static lf_status take_print_words(const lf_server *server, lf_export *what, cons
     if (status == LF_OK && print->icc_path)
         status = lf_server_read_path(server, print->icc_path, &what->icc, err);
     print->icc_path = what->icc;
+    if (print->sheet.label && !(what->label = lf_strdup(print->sheet.label)))
+        status = lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
+    print->sheet.label = what->label;
     print->icc_roots = &server->roots;
     if (status == LF_OK)
         status = take_profiles(server, what, params, err);

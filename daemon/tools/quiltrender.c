@@ -14,6 +14,7 @@
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/read_chart.h"
 #include "daemon/tools/rendering_plan.h"
+#include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
@@ -73,6 +74,16 @@ static void tell_names(const lf_rendering *r, double seconds)
                lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
 }
 
+/* The copies of a sheet, and the order of a flip. */
+static void tell_layout(const lf_rendering *r)
+{
+    char words[256];
+    const int n_images = r->is_quilt ? r->layout.n_views : r->print.n_views;
+    if (r->arguments->kind == &lf_output_print &&
+        lf_print_layout_text(&r->print, n_images, words, sizeof words)[0] != '\0')
+        lf_log(LF_LOG_INFO, "%s: %s", r->path, words);
+}
+
 static int run(const lf_render_arguments *a)
 {
     const bool is_terminal = isatty(STDERR_FILENO) == 1;
@@ -109,6 +120,7 @@ static int run(const lf_render_arguments *a)
         code = r.state.is_kept && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
     } else if (!a->plan) {
         tell_names(&r, lf_time_now() - begun);
+        tell_layout(&r);
     }
     lf_rendering_finish(&r);
     return code;
@@ -145,6 +157,10 @@ int main(int argc, char **argv)
     lf_error err = {0};
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (lf_simulate_is_wanted(argc, argv)) {
+        catch_signals();
+        return lf_simulate_run(argc, argv, &cancel);
+    }
     lf_papers_add();
     const lf_status status = lf_render_arguments_parse(argc, argv, &a, &done, &err);
     if (status == LF_E_IO) {

@@ -56,6 +56,7 @@ static void print_help(void)
     printf("Usage: quiltrender SCENE -o OUT [options]\n"
            "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
            "       quiltrender --read-chart PHOTO.jpg [--chart-file CHART.json] [-o RESULT.json]\n"
+           "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
            "       quiltrender --state-info FILE\n"
            "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
            "folder of views.\n"
@@ -86,6 +87,8 @@ static void print_help(void)
            "least one\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-denoised-error");
+    printf("\nA finished print, seen through its sheet (with --print and the options after it):\n");
+    lf_param_print_help(lf_simulate_params, NULL);
     printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
@@ -192,6 +195,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
     a->depth.inverts |= is_inversion;
     if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
         a->depth.option = row->option;
+    if (params == lf_simulate_params && !a->of_print.simulate.first)
+        a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -342,6 +347,8 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
         a->kind = &lf_output_print; /* --print is not needed: profiles give pitch and raster */
     else
         status = kind_of_ending(a->out, &a->kind, err);
+    if (status == LF_OK && a->kind == &lf_output_print && a->print.frame_ppi > 0)
+        a->kind = &lf_output_frame_set;
     if (status == LF_OK && a->kind->is_drawn && !a->asked_too)
         status = refuse_rendering(a, err);
     if (status == LF_OK)
@@ -490,6 +497,11 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return LF_OK;
     if (a->of_print.photo || a->of_print.chart_file)
         return check_read_chart(a, optind < argc, err);
+    if (a->of_print.simulate.first) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->of_print.simulate.first);
+        return lf_error_set(err, LF_E_ARG, where, "needs --simulate and a finished print");
+    }
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");
     if (optind + 1 < argc)
@@ -538,6 +550,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
                                      {lf_profile_params, NULL, &a->of_print.profiles},
+                                     {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},

@@ -59,6 +59,17 @@ lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *e
     return status;
 }
 
+lf_status lf_rendering_open_made_print(lf_rendering *r, lf_error *err)
+{
+    const lf_print_sheet *sheet = &r->arguments->print.sheet;
+    if (sheet->guard > 0 || sheet->morph > 0)
+        return lf_error_set(err, LF_E_ARG, sheet->guard > 0 ? "--guard" : "--morph",
+                            "is for flips of finished images, such as a folder of photos; not for "
+                            "views of a scene");
+    const bool is_micro = lf_print_is_micro(&r->arguments->print);
+    return lf_rendering_open_print(r, is_micro ? MOST_GRID_VIEWS : LF_MAX_VIEWS, err);
+}
+
 /* The new layout of a finished light field: a folder has tiles and aspect only from options and
  * names. */
 static void lay_out_quilt(lf_rendering *r)
@@ -204,16 +215,27 @@ static bool is_alone(const lf_rendering *r)
     return !lf_path_has_ending(r->arguments->scene, ".json");
 }
 
+lf_render_settings lf_rendering_in_lenses(const lf_rendering *r)
+{
+    lf_render_settings settings = r->settings;
+    if (r->print.frame_ppi > 0)
+        settings.width = (int)fmax(1, round(settings.width * r->print.lpi / r->print.frame_ppi));
+    return settings;
+}
+
 /* A file without a scene has no cone: for a print it is as wide as lenses show sharply. */
 static void narrow_cone(lf_rendering *r)
 {
     lf_camera *camera = &r->settings.camera;
     const double before = camera->cone;
     lf_depth depth;
-    for (int i = 0; i < 8 && lf_scene_depth(r->scene, &r->settings, &depth) &&
-                    lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT);
-         i++)
+    for (int i = 0; i < 8; i++) {
+        const lf_render_settings in_lenses = lf_rendering_in_lenses(r);
+        if (!lf_scene_depth(r->scene, &in_lenses, &depth) ||
+            !lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT))
+            break;
         camera->cone *= 0.98 / lf_depth_shift(&depth);
+    }
     if (camera->cone < before && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_INFO,
                "%s: the view cone is %.1f degrees instead of %.0f, so that the lenses show all of "
@@ -249,8 +271,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
-        const int n_most = lf_print_is_micro(&a->print) ? MOST_GRID_VIEWS : LF_MAX_VIEWS;
-        status = lf_rendering_open_print(r, n_most, err);
+        status = lf_rendering_open_made_print(r, err);
         if (status == LF_OK)
             lf_output_print_view(&r->print, &r->settings);
         if (status == LF_OK && is_alone(r))
@@ -419,7 +440,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
-    if (status == LF_OK && a->kind->check_print && !a->plan)
+    if (status == LF_OK && a->kind->check_print && a->kind->n_files > 0 && !a->plan)
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }

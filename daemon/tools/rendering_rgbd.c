@@ -46,7 +46,7 @@ static lf_status lay_out_print(lf_rendering *r, lf_rgbd_file *file, lf_layout *o
     if (a->print.horizontal)
         return lf_error_set(err, LF_E_ARG, "--horizontal",
                             "is not supported for images with depth, whose views lie side by side");
-    lf_status status = lf_rendering_open_print(r, LF_MAX_VIEWS, err);
+    lf_status status = lf_rendering_open_made_print(r, err);
     if (status != LF_OK)
         return status;
     const double shift = lf_rgbd_print_depth(file, &r->print);
@@ -56,7 +56,9 @@ static lf_status lay_out_print(lf_rendering *r, lf_rgbd_file *file, lf_layout *o
         lf_log(
             LF_LOG_WARNING, "%s: %s", a->scene,
             lf_rgbd_print_words(&file->rgbd, o->standing.depthiness, shift, words, sizeof words));
-    *out = lf_rgbd_print_layout(file, &r->print);
+    lf_print laid = r->print.frame_ppi > 0 ? lf_frame_set_print(&r->print) : r->print;
+    laid.n_views = r->print.n_views;
+    *out = lf_rgbd_print_layout(file, &laid);
     return LF_OK;
 }
 

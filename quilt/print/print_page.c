@@ -35,6 +35,25 @@ int lf_print_hands(const lf_print_run *run)
 
 /* ------------------------------------------------------------------------------------ strips -- */
 
+static int channels_of(const lf_print_colour *colour)
+{
+    return colour ? lf_print_colour_channels(colour) : 1;
+}
+
+static int bits_of(const lf_print_page *page, const lf_print_colour *colour)
+{
+    return colour ? page->print->bits : 16;
+}
+
+/* Values 0..1 as 16-bit codes. */
+static void encode_heights(size_t n, const float *in, unsigned char *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        const uint16_t code = (uint16_t)(in[i] * 65535.0F + 0.5F);
+        memcpy(out + 2 * i, &code, sizeof code);
+    }
+}
+
 static void mirror_row(float *row, int width)
 {
     for (int left = 0, right = width - 1; left < right; left++, right--) {
@@ -55,8 +74,11 @@ static void make_strip(void *context, int item, int worker)
         w->page->draw(h->context, h->y + r, h->row);
         if (w->page->print->mirror)
             mirror_row(h->row, w->page->width);
-        lf_print_colour_encode(w->colour, (size_t)w->page->width, h->row,
-                               h->strip.data + (size_t)r * w->row_bytes);
+        unsigned char *out = h->strip.data + (size_t)r * w->row_bytes;
+        if (w->colour)
+            lf_print_colour_encode(w->colour, (size_t)w->page->width, h->row, out);
+        else
+            encode_heights((size_t)w->page->width, h->row, out);
     }
     h->strip.size = (size_t)h->strip.n_rows * w->row_bytes;
     h->status = w->sink->pack ? w->sink->pack(w->state, &h->strip) : LF_OK;
@@ -132,8 +154,8 @@ lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *
     writing w = {.page = page,
                  .colour = colour,
                  .sink = run->format == LF_PRINT_PDF ? &lf_print_pdf_sink : &lf_print_tiff_sink,
-                 .row_bytes = (size_t)page->width * (size_t)lf_print_colour_channels(colour) *
-                              (size_t)page->print->bits / 8};
+                 .row_bytes = (size_t)page->width * (size_t)channels_of(colour) *
+                              (size_t)bits_of(page, colour) / 8};
     lf_status status =
         lf_print_room_for(page->print, run->format, (double)w.row_bytes * page->height, file, err);
     if (status == LF_OK)

@@ -83,9 +83,8 @@ static void a_print_that_is_too_deep_is_told(void **state)
 /* A print of 30 x 20 mm by profiles, with more parameters. */
 static json_t *profile_params(const char *file, const char *lens, const char *more)
 {
-    json_t *params =
-        json_pack("{s:s, s:s, s:s, s:s, s:i, s:i, s:s}", "kind", "print", "file", file, "lens",
-                  lens, "printer", "ink", "width", 30, "height", 20, "map", "uniform");
+    json_t *params = json_pack("{s:s, s:s, s:s, s:s, s:i, s:i}", "kind", "print", "file", file,
+                               "lens", lens, "printer", "ink", "width", 30, "height", 20);
     json_object_update_new(params, json_loads(more, 0, NULL));
     return params;
 }
