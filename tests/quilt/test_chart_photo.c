@@ -22,6 +22,7 @@ static lf_print chart_of(void)
 }
 
 static lf_paper paper;
+static json_t *manifest;
 
 static int print_it(void **state)
 {
@@ -30,6 +31,7 @@ static int print_it(void **state)
     (void)state;
     lf_printed_chart(&print, &printed);
     lf_paper_make(&printed, 25.4 / 600.0, 25.4 / 600.0, 0.1, &paper);
+    manifest = json_incref(printed.manifest);
     lf_printed_finish(&printed);
     return 0;
 }
@@ -38,6 +40,7 @@ static int put_away(void **state)
 {
     (void)state;
     lf_paper_finish(&paper);
+    json_decref(manifest);
     return 0;
 }
 
@@ -82,7 +85,7 @@ static void tell(const char *what, const char *unit, spread *s, int n)
 
 static void photos_give_pitch_phase_and_skew(void **state)
 {
-    const int n = getenv("QUILTD_LONG") ? 200 : 3;
+    const int n = getenv("QUILTD_LONG") ? 200 : 2;
     static spread own, far, phase, skew;
     int within = 0, n_order = 0;
     (void)state;
@@ -129,8 +132,8 @@ static void photos_give_pitch_phase_and_skew(void **state)
 static lf_shot small_shot(uint64_t seed)
 {
     lf_shot shot = lf_shot_usual(seed);
-    shot.width /= 2;
-    shot.height /= 2;
+    shot.width = 1302;
+    shot.height = 1736;
     shot.blur_px = 0.7;
     shot.noise = 0.003;
     shot.tilt_deg = 8.0;
@@ -219,10 +222,10 @@ static void wrong_optics_are_found_out(void **state)
 }
 
 /* Prints the code patches as if views ran the other way under each lens. */
-static void reverse_codes(const lf_printed *printed)
+static void reverse_codes(void)
 {
     const json_t *place = json_object_get(
-        json_object_get(json_object_get(printed->manifest, "chart"), "patches_mm"), "crosstalk");
+        json_object_get(json_object_get(manifest, "chart"), "patches_mm"), "crosstalk");
     double mm[4];
     const double pitch = 25.4 / 60.0, dot = paper.right_mm;
     for (size_t k = 0; k < 4; k++)
@@ -243,30 +246,21 @@ static void reverse_codes(const lf_printed *printed)
     free(row);
 }
 
+/* The last test: it changes the paper. */
 static void views_in_reverse_are_found(void **state)
 {
     const lf_shot shot = small_shot(9);
-    const lf_print print = chart_of();
-    const size_t size = (size_t)paper.width * (size_t)paper.height * sizeof *paper.light;
-    float *kept = malloc(size);
-    lf_printed printed;
     lf_chart_reading r;
     lf_error err = {0};
     (void)state;
-    assert_non_null(kept);
-    memcpy(kept, paper.light, size);
     lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
     assert_true(r.has_order && !r.is_reversed);
     /* a spot of two of eight views, seen from between them: own view, half of each neighbour */
     lf_assert_close(r.crosstalk[3], 0.48, 0.0, 0.08);
     lf_assert_close(r.crosstalk[2] + r.crosstalk[4], 0.5, 0.0, 0.08);
-    lf_printed_chart(&print, &printed);
-    reverse_codes(&printed);
+    reverse_codes();
     lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
     assert_true(r.has_order && r.is_reversed);
-    memcpy(paper.light, kept, size);
-    lf_printed_finish(&printed);
-    free(kept);
 }
 
 static void an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera(void **state)
@@ -295,7 +289,7 @@ int main(void)
         cmocka_unit_test(wrong_photos_are_refused_in_words),
         cmocka_unit_test(a_photo_of_another_chart_is_refused),
         cmocka_unit_test(wrong_optics_are_found_out),
-        cmocka_unit_test(views_in_reverse_are_found),
-        cmocka_unit_test(an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera)};
+        cmocka_unit_test(an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera),
+        cmocka_unit_test(views_in_reverse_are_found)};
     return cmocka_run_group_tests(tests, print_it, put_away);
 }
