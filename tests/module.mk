@@ -42,7 +42,7 @@ stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # Loops of tests that take as long as those of the house.
 ifeq ($(BUILD),release)
-$(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(f) := -O2))
+$(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c) tests/quilt/photographed.c),$(eval isa_$(f) := -O2))
 endif
 
 # a reader of the test's own, which gives up the same rights
