@@ -126,8 +126,7 @@ static void photos_give_pitch_phase_and_skew(void **state)
     assert_true(n_order >= n * 2 / 3);
 }
 
-/* ------------------------------------------------------------------------- what must not be read
- * -- */
+/* ------------------------------------------------------------------------------ wrong photos -- */
 
 static lf_shot small_shot(uint64_t seed)
 {
