@@ -107,7 +107,7 @@ static uint32_t find_number(tiff *t, size_t folder, uint32_t tag)
 
 void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta)
 {
-    enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001 };
+    enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001, FOCAL_35MM = 0xa405 };
     tiff t = {data, size, size >= 2 && data[0] == 'M', false};
     if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0)) {
         lf_image_note(&meta->notes, "the EXIF data is damaged; it is ignored");
@@ -116,6 +116,9 @@ void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta)
     uint32_t folder = number(&t, 4, 4), turn = find_number(&t, folder, ORIENTATION);
     uint32_t more = find_number(&t, folder, EXIF_FOLDER);
     uint32_t space = more ? find_number(&t, more, COLOUR_SPACE) : 0;
+    const uint32_t focal = more ? find_number(&t, more, FOCAL_35MM) : 0;
+    if (focal > 0 && focal <= LF_IMAGE_MAX_FOCAL)
+        meta->focal_35mm = (int)focal;
     if (t.is_broken)
         lf_image_note(&meta->notes, "the EXIF data is damaged; its readable part is used");
     if (turn > 8)

@@ -19,7 +19,7 @@ static inline uint32_t lf_be32(const uint8_t *p)
 bool lf_icc_is_srgb(const uint8_t *data, size_t size);
 
 /* Reads EXIF (a TIFF, starting with its byte order). Takes the orientation of the main picture (the
- * first one given), and notes a colour space other than sRGB. */
+ * first one given) and the focal length, and notes a colour space other than sRGB. */
 void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta);
 
 #endif

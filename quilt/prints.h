@@ -304,12 +304,14 @@ LF_NODISCARD lf_status lf_frame_set_write(const lf_print *print, const lf_views3
                                           const lf_print_run *run, lf_outfile *files,
                                           lf_error *err);
 
-/* Writes a pitch test chart (quilt/print/chart.h) of the print's size and its manifest, like
+/* Writes a pitch test chart (quilt/chart/chart.h) of the print's size and its manifest, like
  * lf_print_write. exposure and tonemap of run are not used. LF_E_ARG as for lf_print_check, and if
  * a chart has no room for its bands; other errors of lf_print_write. */
 LF_NODISCARD lf_status lf_chart_write(const lf_print *print, const lf_print_run *run,
                                       lf_outfile *tiff, lf_outfile *manifest, lf_error *err);
 /* The checks of lf_chart_write alone. */
 LF_NODISCARD lf_status lf_chart_check(const lf_print *print, lf_error *err);
+/* Notes the parts for which the chart of a print has no room, as its manifest's warnings do. */
+void lf_chart_note(const lf_print *print, lf_image_notes *notes);
 
 #endif

@@ -73,6 +73,7 @@ set_up_reader() { # folder, size of views: the reader's programs, home, session 
 # is a file of settings, is a formula, or is a part of a scene.
 elsewhere() { # command
     case $1 in
+    *\ --read-chart\ *) ;;
     make\ * | *' make '* | *\ -m\ pip\ * | sudo\ * | systemctl\ * | journalctl\ * | "echo 'deb "*) ;;
     *\ /usr/share/*) ;;
     python3\ *) ! command -v python3 > /dev/null ;;

@@ -7,7 +7,7 @@ test_libs_device := kms model device base
 test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat $(if $(PORTABLE),,scene_files) papers render base
 test_libs_stat := stat $(if $(PORTABLE),,scene_files) papers render base
 test_libs_bench := bench stat scene_files render quilt device base
-test_libs_daemon := faulty spoiled pictures scene_files $(libraries)
+test_libs_daemon := faulty spoiled optics pictures scene_files $(libraries)
 test_libs_docs := tables $(libraries)
 test_libs_web := gateway $(filter-out tools model papers,$(libraries))
 test_link_web = $(dep_web_libs)
@@ -43,7 +43,7 @@ stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # Loops of tests that take as long as those of the house.
 ifeq ($(BUILD),release)
-$(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(f) := -O2))
+$(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c) tests/quilt/photographed.c),$(eval isa_$(f) := -O2))
 endif
 
 # a reader of the test's own, which gives up the same rights
@@ -165,7 +165,7 @@ portable_tests := base/test_alloc base/test_cpu base/test_status base/test_threa
  quilt/test_rects quilt/test_fill quilt/test_quilt_kernel render/test_kernel render/test_sampler
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc cpu status thread image)
-quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/%,$(quilt_srcs))
+quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/% quilt/chart/%,$(quilt_srcs))
 render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 papers_srcs :=

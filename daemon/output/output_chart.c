@@ -1,4 +1,5 @@
 /* Pitch test charts. */
+#include "daemon/output/content.h"
 #include "daemon/output/output_internal.h"
 
 static lf_status check(const lf_print *print, const char **out_warning, lf_error *err)
@@ -12,7 +13,10 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
                              lf_outfile *files, lf_error *err)
 {
     const lf_print_run run = output_print_run(request);
+    lf_image_notes notes = {0};
     (void)source;
+    lf_chart_note(request->print, &notes);
+    lf_log_notes(&notes, request->path);
     return lf_chart_write(request->print, &run, &files[0], &files[1], err);
 }
 

@@ -12,6 +12,7 @@
 #include "base/thread.h"
 #include "daemon/tools/batch.h"
 #include "daemon/tools/job_state.h"
+#include "daemon/tools/read_chart.h"
 #include "daemon/tools/rendering_plan.h"
 #include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
@@ -174,5 +175,7 @@ int main(int argc, char **argv)
         return print_state(a.state_info);
     lf_options_limit_import(&a.options);
     catch_signals();
+    if (a.of_print.photo)
+        return lf_read_chart(&a);
     return run(&a);
 }

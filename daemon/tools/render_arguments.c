@@ -20,6 +20,8 @@ enum {
     OPTION_STATE,
     OPTION_STATE_INFO,
     OPTION_PLAN,
+    OPTION_READ_CHART,
+    OPTION_CHART_FILE,
 };
 
 static const struct option table[] = {
@@ -31,6 +33,8 @@ static const struct option table[] = {
     {"state", required_argument, NULL, OPTION_STATE},
     {"state-info", required_argument, NULL, OPTION_STATE_INFO},
     {"plan", no_argument, NULL, OPTION_PLAN},
+    {"read-chart", required_argument, NULL, OPTION_READ_CHART},
+    {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {NULL, 0, NULL, 0},
 };
 
@@ -51,6 +55,7 @@ static void print_help(void)
 {
     printf("Usage: quiltrender SCENE -o OUT [options]\n"
            "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+           "       quiltrender --read-chart PHOTO.jpg [--chart-file CHART.json] [-o RESULT.json]\n"
            "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
            "       quiltrender --state-info FILE\n"
            "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
@@ -94,6 +99,9 @@ static void print_help(void)
     printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
            "interrupted)\n"
            "  --state-info FILE      print the contents of a state file as JSON\n"
+           "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
+           "sheet\n"
+           "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
            "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
            "  --plan                 print estimated costs and one command per task; render "
            "nothing\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
@@ -134,6 +142,12 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_PLAN:
         a->plan = true;
         a->render_option = a->render_option ? a->render_option : "plan";
+        return LF_OK;
+    case OPTION_READ_CHART:
+        a->of_print.photo = text;
+        return LF_OK;
+    case OPTION_CHART_FILE:
+        a->of_print.chart_file = text;
         return LF_OK;
     default:
         return take_budget(a, code, text, err);
@@ -455,6 +469,26 @@ static lf_status take_batch(lf_render_arguments *a, lf_error *err)
     return LF_OK;
 }
 
+/* A photo of a chart is read, and nothing is rendered. */
+static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, lf_error *err)
+{
+    const char *other = has_scene          ? "a scene"
+                        : a->asked         ? a->asked->option
+                        : a->panel_option  ? a->panel_option
+                        : a->photo_option  ? a->photo_option
+                        : a->render_option ? a->render_option
+                        : a->stats         ? "stats"
+                                           : NULL;
+    if (!a->of_print.photo)
+        return lf_error_set(err, LF_E_ARG, "--chart-file", "needs --read-chart PHOTO");
+    if (other)
+        return lf_error_set(err, LF_E_ARG, "--read-chart", "cannot be combined with %s%s",
+                            has_scene ? "" : "--", other);
+    if (a->out && !lf_path_has_ending(a->out, ".json"))
+        return lf_error_set(err, LF_E_ARG, a->out, "must end in .json, the result of --read-chart");
+    return LF_OK;
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
@@ -462,6 +496,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
+    if (a->of_print.photo || a->of_print.chart_file)
+        return check_read_chart(a, optind < argc, err);
     if (a->of_print.simulate.first) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->of_print.simulate.first);

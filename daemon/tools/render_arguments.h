@@ -31,6 +31,9 @@ typedef struct lf_print_arguments {
     lf_print_given given;         /* keys of lf_print that options gave */
     const char *option;           /* the first option that needs --print or --chart */
     lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
+    /* --read-chart (read_chart.h): NULL = not asked; the chart's manifest, NULL = chart.json beside
+     * the photo */
+    const char *photo, *chart_file;
 } lf_print_arguments;
 
 /* The parsed command line. */

@@ -4,7 +4,7 @@
  *   (print_stripes.c) -> device colour (print_colour.c) -> TIFF (print_tiff.c) and manifest
  *   (print_manifest.c).
  *
- * All steps are run by print.c; the pitch test chart is drawn by chart.c on a page of its own.
+ * All steps are run by print.c; the pitch test chart (quilt/chart) is drawn on a page of its own.
  * Objects are used by one thread. */
 #ifndef LF_QUILT_PRINT_H
 #define LF_QUILT_PRINT_H

@@ -1,4 +1,4 @@
-#include "quilt/print/chart.h"
+#include "quilt/chart/chart.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -11,9 +11,15 @@
 #define TEXT_MM 2.5
 #define MARGIN_MM 1.5
 #define LEAST_BAND_MM 2.0
+#define LEAST_MARKED_BAND_MM 3.0
 #define LEAST_GRATING_MM 10.0
 #define TICK_MM 0.2
-#define GAP 0.1 /* fraction of a band */
+#define SIDE_TICK_MM 1.2
+/* A cell of a tag covers several lenses, each of which shows one column of it. */
+#define CELL_MM 1.2
+#define CELL_LENSES 3.0
+#define BETWEEN_MM 1.0
+#define N_CHARTS 97 /* different first tags, of which 6 each fit into the family's 587 */
 
 /* ------------------------------------------------------------------------------------ layout -- */
 
@@ -66,6 +72,57 @@ static void label_of(const lf_chart *chart, int band, char *buf, size_t size)
     snprintf(buf, size, "%.*f", chart->decimals, lf_chart_lpi(chart, band));
 }
 
+/* Different charts have different tags, so that a photo of another one is found out. */
+static int first_tag(const lf_print *print)
+{
+    char text[160];
+    uint32_t hash = 2166136261u;
+    snprintf(text, sizeof text, "%.9g %.9g %.9g %.9g %.9g %d", print->lpi, print->chart_range,
+             print->chart_step, print->width_mm, print->height_mm, print->horizontal);
+    for (const char *c = text; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 16777619u;
+    return LF_CHART_TAGS * (int)((hash >> 8) % N_CHARTS);
+}
+
+/* Puts every group of patches into the first gap between tags that has room for it. */
+static void place_groups(lf_chart *chart)
+{
+    const double outer = 0.5 * chart->width - MARGIN_MM - chart->strip - BETWEEN_MM,
+                 inner = chart->has_middle_tags ? 0.5 * chart->strip + BETWEEN_MM : 0.0;
+    const double below = chart->top + chart->n_bands * chart->band_height;
+    double from[4] = {-outer, inner, -outer, inner};
+    const double to[4] = {-inner, outer, -inner, outer};
+    for (int g = 0; g < LF_CHART_GROUPS; g++)
+        for (int gap = 0; gap < 4 && !chart->groups[g].present; gap++) {
+            const double width = lf_chart_group_width((lf_chart_group)g);
+            if (to[gap] - from[gap] < width)
+                continue;
+            chart->groups[g] = (lf_chart_place){
+                true, from[gap], (gap < 2 ? chart->top - chart->strip : below) + BETWEEN_MM};
+            from[gap] += width + BETWEEN_MM;
+        }
+}
+
+/* Strips with tags and patches, if the bands stay high enough. */
+static void place_marks(lf_chart *chart, const lf_print *print)
+{
+    const double cell = fmax(CELL_MM, CELL_LENSES * 25.4 / chart->lpi),
+                 strip = LF_CHART_TAG_CELLS * cell;
+    const double band = chart->band_height - 2.0 * strip / chart->n_bands;
+    if (band < LEAST_MARKED_BAND_MM || chart->width < 2.0 * (MARGIN_MM + strip) + strip)
+        return;
+    chart->is_marked = true;
+    chart->cell = cell;
+    chart->strip = strip;
+    chart->band_height = band;
+    chart->top += strip;
+    chart->first_tag = first_tag(print);
+    chart->has_middle_tags =
+        chart->width >= 2.0 * MARGIN_MM + 3.0 * strip +
+                            2.0 * (lf_chart_group_width(LF_CHART_CODE_PATCHES) + 2.0 * BETWEEN_MM);
+    place_groups(chart);
+}
+
 lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
 {
     const lf_status status = check(print, err);
@@ -77,6 +134,8 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
     lf_print_dpi_text(print, chart.dpi, sizeof chart.dpi);
     chart.width = print->horizontal ? print->height_mm : print->width_mm;
     chart.height = print->horizontal ? print->width_mm : print->height_mm;
+    chart.pixel_along = 25.4 / lf_print_dpi_across(print);
+    chart.pixel_across = 25.4 / lf_print_dpi_along(print);
     chart.top = HEADER_MM;
     chart.band_height = (chart.height - HEADER_MM - FOOTER_MM) / (2.0 * steps + 1.0);
     if (chart.band_height < LEAST_BAND_MM)
@@ -85,6 +144,7 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
                             "print or step, or a smaller range",
                             2.0 * steps + 1.0, chart.height, LEAST_BAND_MM, HEADER_MM + FOOTER_MM);
     chart.n_bands = 2 * (int)steps + 1;
+    place_marks(&chart, print);
     chart.decimals = decimals_of(print);
     chart.label_height = fmin(TEXT_MM, 0.7 * chart.band_height);
     label_of(&chart, chart.n_bands - 1, widest, sizeof widest);
@@ -111,13 +171,35 @@ double lf_chart_lpi(const lf_chart *chart, int band)
     return chart->lpi + from_middle * chart->step;
 }
 
+void lf_chart_note_left_out(const lf_chart *chart, lf_image_notes *notes)
+{
+    static const char *const names[LF_CHART_GROUPS] = {
+        "patches for crosstalk", "patches of single pixels", "order numbers", "phase patches"};
+    if (!chart->is_marked) {
+        lf_image_note(notes, "the chart has no room for the marks that --read-chart needs; use a "
+                             "larger print or fewer bands");
+        return;
+    }
+    for (int g = 0; g < LF_CHART_GROUPS; g++)
+        if (!chart->groups[g].present)
+            lf_image_note(notes, "the chart has no room for its %s; use a wider print", names[g]);
+}
+
 /* --------------------------------------------------------------------------------------- ink -- */
 
-/* The ink to the left of x on a grating with a line around 0, half a pitch wide. */
-static double ink_before(double x, double pitch)
+double lf_chart_stripes_before(double x, double pitch, double from, double to)
 {
-    const double t = x / pitch + 0.25, line = floor(t);
-    return pitch * (0.5 * line + fmin(t - line, 0.5));
+    const double t = x / pitch, cell = floor(t);
+    return pitch * (cell * (to - from) + fmin(fmax(t - cell - from, 0.0), to - from));
+}
+
+/* A grating with a line around 0, half a pitch wide. */
+static double grating_ink(const lf_chart_box *box, double pitch)
+{
+    const double shift = 0.25 * pitch;
+    return (lf_chart_stripes_before(box->x1 + shift, pitch, 0.0, 0.5) -
+            lf_chart_stripes_before(box->x0 + shift, pitch, 0.0, 0.5)) /
+           (box->x1 - box->x0);
 }
 
 static bool header_ink(const lf_chart *chart, double x, double y)
@@ -129,16 +211,24 @@ static bool header_ink(const lf_chart *chart, double x, double y)
     return lf_label_ink(text, TEXT_MM, x + 0.5 * lf_label_width(text, TEXT_MM), y - MARGIN_MM);
 }
 
+/* Coverage of [x0, x1] by the tick of a ruler that is nearest to it. */
+static double tick_ink(double x0, double x1, double half_ruler, double *out_tick)
+{
+    const double tick = 10.0 * round((0.5 * (x0 + x1) - half_ruler) / 10.0) + half_ruler;
+    const double covered = fmin(x1, tick + 0.5 * TICK_MM) - fmax(x0, tick - 0.5 * TICK_MM);
+    *out_tick = tick;
+    return fabs(tick) < half_ruler + 1.0 ? fmax(covered, 0.0) / (x1 - x0) : 0.0;
+}
+
 /* The ruler: a tick every 10 mm, longer ones at the ends, and its total length. */
 static double footer_ink(const lf_chart *chart, double x0, double x1, double y)
 {
-    const double tick =
-        10.0 * round((0.5 * (x0 + x1) - chart->half_ruler) / 10.0) + chart->half_ruler;
+    double tick;
+    const double ink = tick_ink(x0, x1, chart->half_ruler, &tick);
     const bool outer = fabs(tick) > chart->half_ruler - 5.0;
-    const double covered = fmin(x1, tick + 0.5 * TICK_MM) - fmax(x0, tick - 0.5 * TICK_MM);
     char text[32];
     if (y < (outer ? 2.0 * TEXT_MM : TEXT_MM) && fabs(tick) < chart->half_ruler + 1.0)
-        return fmax(covered, 0.0) / (x1 - x0);
+        return ink;
     if (fabs(y - 1.5 * TEXT_MM - 1.0) > 0.5 * TEXT_MM)
         return 0.0;
     snprintf(text, sizeof text, "%.0f mm", 2.0 * chart->half_ruler);
@@ -146,103 +236,44 @@ static double footer_ink(const lf_chart *chart, double x0, double x1, double y)
                         y - TEXT_MM - 1.0);
 }
 
-double lf_chart_ink(const lf_chart *chart, double x0, double x1, double y)
+/* The ruler down the left edge, as long as the other one if there is room, about the middle. */
+static double side_ink(const lf_chart *chart, const lf_chart_box *box)
 {
-    const double place = (y - chart->top) / chart->band_height;
-    const double bands_end = chart->top + chart->n_bands * chart->band_height;
-    char text[32];
-    if (place < 0.0)
-        return header_ink(chart, 0.5 * (x0 + x1), y);
-    if (place >= chart->n_bands)
-        return footer_ink(chart, x0, x1, y - bands_end - 1.0);
+    double tick;
+    const double half = fmin(chart->half_ruler, 5.0 * floor((chart->height - 4.0) / 10.0));
+    const double middle = 0.5 * chart->height;
+    return tick_ink(box->y0 - middle, box->y1 - middle, half, &tick);
+}
+
+static double band_ink(const lf_chart *chart, const lf_chart_box *box, double place)
+{
+    const double x0 = box->x0, x1 = box->x1;
     const int band = (int)place;
-    if (fmax(fabs(x0), fabs(x1)) <= chart->half_width) {
-        const double pitch = 25.4 / lf_chart_lpi(chart, band);
-        return place - band > 1.0 - GAP
+    char text[32];
+    if (fmax(fabs(x0), fabs(x1)) <= chart->half_width)
+        return place - band > 1.0 - LF_CHART_GAP
                    ? 0.0
-                   : (ink_before(x1, pitch) - ink_before(x0, pitch)) / (x1 - x0);
-    }
+                   : grating_ink(box, 25.4 / lf_chart_lpi(chart, band));
     const double x = x0 < 0.0 ? 0.5 * (x0 + x1) + 0.5 * chart->width - MARGIN_MM
                               : 0.5 * (x0 + x1) - chart->half_width - MARGIN_MM;
-    const double down = (place - band - 0.5 * (1.0 - GAP)) * chart->band_height;
+    const double down = (place - band - 0.5 * (1.0 - LF_CHART_GAP)) * chart->band_height;
     if (fabs(down) > 0.5 * chart->label_height)
         return 0.0;
     label_of(chart, band, text, sizeof text);
     return lf_label_ink(text, chart->label_height, x, down + 0.5 * chart->label_height);
 }
 
-/* -------------------------------------------------------------------------------------- file -- */
-
-typedef struct drawing {
-    lf_chart chart;
-    int width, height;
-    double right, down; /* size of a pixel in mm */
-    bool turned; /* horizontal lenses: rotated by 90 degrees, the chart's right is the print's lower
-                  * end */
-} drawing;
-
-static void draw_row(void *context, int y, float *row)
+double lf_chart_ink(const lf_chart *chart, const lf_chart_box *box)
 {
-    const drawing *d = context;
-    const double pixel = d->turned ? d->down : d->right;
-    for (int x = 0; x < d->width; x++) {
-        const double left = (d->turned ? y - 0.5 * d->height : x - 0.5 * d->width) * pixel;
-        const double down = (d->turned ? (0.5 * d->width - x - 0.5) * d->right
-                                       : (y + 0.5 - 0.5 * d->height) * d->down) +
-                            0.5 * d->chart.height;
-        const float light = (float)(1.0 - lf_chart_ink(&d->chart, left, left + pixel, down));
-        for (int c = 0; c < 3; c++)
-            row[3 * x + c] = light;
-    }
-}
-
-static json_t *chart_part(const lf_chart *chart)
-{
-    json_t *bands = json_array();
-    for (int band = 0; bands && band < chart->n_bands; band++)
-        json_array_append_new(bands,
-                              json_pack("{s:f, s:f, s:f}", "lpi", lf_chart_lpi(chart, band),
-                                        "from_mm", chart->top + band * chart->band_height, "to_mm",
-                                        chart->top + (band + 1 - GAP) * chart->band_height));
-    return json_pack("{s:o, s:f, s:f}", "bands", bands, "grating_mm", 2.0 * chart->half_width,
-                     "ruler_mm", 2.0 * chart->half_ruler);
-}
-
-lf_status lf_chart_write(const lf_print *print, const lf_print_run *run, lf_outfile *tiff,
-                         lf_outfile *manifest, lf_error *err)
-{
-    drawing d = {.right = 25.4 / print->dpi,
-                 .down = 25.4 / lf_print_dpi_down(print),
-                 .turned = print->horizontal};
-    lf_print_shape shape;
-    lf_print_colour *colour = NULL;
-    char description[160];
-    lf_status status = lf_chart_layout(print, &d.chart, err);
-    if (status == LF_OK)
-        status = lf_print_colour_create(print, &colour, err);
-    if (status != LF_OK)
-        return status;
-    lf_print_shape_of(print, &shape);
-    d.width = shape.raster_width;
-    d.height = shape.raster_height;
-    snprintf(description, sizeof description,
-             "pitch test chart of %.10g to %.10g lenses per inch at %s dpi: print at 100 %%",
-             lf_chart_lpi(&d.chart, 0), lf_chart_lpi(&d.chart, d.chart.n_bands - 1), d.chart.dpi);
-    const lf_print_page page = {.print = print,
-                                .width = d.width,
-                                .height = d.height,
-                                .description = description,
-                                .draw = draw_row,
-                                .context = &d};
-    status = lf_print_page_write(&page, colour, run, 0, tiff, err);
-    if (status == LF_OK) {
-        const lf_print_facts facts = {.print = print,
-                                      .shape = &shape,
-                                      .colour = colour,
-                                      .run = run,
-                                      .chart = chart_part(&d.chart)};
-        status = lf_print_manifest_write(&facts, tiff, manifest, err);
-    }
-    lf_print_colour_destroy(colour);
-    return status;
+    const double y = 0.5 * (box->y0 + box->y1);
+    const double place = (y - chart->top) / chart->band_height;
+    const double bands_end = chart->top + chart->n_bands * chart->band_height;
+    if (chart->is_marked && box->x1 < SIDE_TICK_MM - 0.5 * chart->width)
+        return side_ink(chart, box);
+    if (place >= 0.0 && place < chart->n_bands)
+        return band_ink(chart, box, place);
+    if (chart->is_marked && y >= chart->top - chart->strip && y < bands_end + chart->strip)
+        return fmax(lf_chart_tag_ink(chart, box), lf_chart_patch_ink(chart, box));
+    return place < 0.0 ? header_ink(chart, 0.5 * (box->x0 + box->x1), y)
+                       : footer_ink(chart, box->x0, box->x1, y - bands_end - chart->strip - 1.0);
 }

@@ -1,0 +1,294 @@
+/* Charts read from simulated photos (photographed.h): 200 of them with QUILTD_LONG=1. */
+#include "tests/testing.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "quilt/chart/reading.h"
+#include "tests/quilt/photographed.h"
+
+#define VIEWER_MM 400.0
+
+static lf_print chart_of(void)
+{
+    return (lf_print){.lpi = 60.0,
+                      .chart_range = 0.5,
+                      .chart_step = 0.05,
+                      .dpi = 600,
+                      .width_mm = 190.0,
+                      .height_mm = 277.0,
+                      .bits = 8};
+}
+
+static lf_paper paper;
+static json_t *manifest;
+
+static int print_it(void **state)
+{
+    const lf_print print = chart_of();
+    lf_printed printed;
+    (void)state;
+    lf_printed_chart(&print, &printed);
+    lf_paper_make(&printed, 25.4 / 600.0, 25.4 / 600.0, 0.1, &paper);
+    manifest = json_incref(printed.manifest);
+    lf_printed_finish(&printed);
+    return 0;
+}
+
+static int put_away(void **state)
+{
+    (void)state;
+    lf_paper_finish(&paper);
+    json_decref(manifest);
+    return 0;
+}
+
+static lf_status read_photo(const lf_shot *shot, lf_chart_photo known, lf_chart_reading *out,
+                            lf_error *err)
+{
+    const lf_print print = chart_of();
+    uint8_t *data = lf_photograph(&paper, shot);
+    known.data = data;
+    known.width = shot->width;
+    known.height = shot->height;
+    const lf_status status = lf_chart_read(&print, &known, "photo.jpg", out, err);
+    free(data);
+    return status;
+}
+
+static lf_chart_photo known_of(const lf_shot *shot)
+{
+    return (lf_chart_photo){.focal_35mm = round(shot->focal_35mm), /* as EXIF has it */
+                            .distance_mm = VIEWER_MM,
+                            .thickness_mm = shot->thickness_mm,
+                            .index = shot->index};
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Errors of one kind, of all photos. */
+typedef struct spread {
+    double error[200];
+} spread;
+
+static void tell(const char *what, const char *unit, spread *s, int n)
+{
+    qsort(s->error, (size_t)n, sizeof *s->error, by_size);
+    print_message("%s: median %.5f, 95 %% below %.5f, worst %.5f %s\n", what, s->error[n / 2],
+                  s->error[n * 95 / 100], s->error[n - 1], unit);
+}
+
+static void photos_give_pitch_phase_and_skew(void **state)
+{
+    const int n = getenv("QUILTD_LONG") ? 200 : 2;
+    static spread own, far, phase, skew;
+    int within = 0, n_order = 0;
+    (void)state;
+    for (int i = 0; i < n; i++) {
+        const lf_shot shot = lf_shot_usual((uint64_t)i);
+        lf_chart_reading r;
+        lf_error err = {0};
+        double eye[3];
+        if (read_photo(&shot, known_of(&shot), &r, &err) != LF_OK)
+            fail_msg("photo %d: %s", i, err.what);
+        lf_shot_eye(&shot, eye);
+        own.error[i] = fabs(r.camera_lpi - lf_shot_visual_lpi(&shot, eye[2]));
+        far.error[i] = fabs(r.visual_lpi - lf_shot_visual_lpi(&shot, VIEWER_MM));
+        phase.error[i] = fabs(remainder(r.phase_mm - shot.phase_mm, 25.4 / shot.lpi));
+        skew.error[i] = fabs(r.skew_deg - shot.skew_deg);
+        within += far.error[i] < 3.0 * r.error_lpi && phase.error[i] < 3.0 * r.error_phase_mm &&
+                  own.error[i] < 3.0 * r.error_camera_lpi;
+        if (getenv("QUILTD_SHOTS"))
+            print_message("photo %3d: own %.5f +- %.5f, far %.5f +- %.5f, phase %.5f +- %.5f, skew "
+                          "%.5f; tilt %4.1f to %3.0f, focal %.1f, %.2f thick, eye at %.0f\n",
+                          i, own.error[i], r.error_camera_lpi, far.error[i], r.error_lpi,
+                          phase.error[i], r.error_phase_mm, skew.error[i], shot.tilt_deg,
+                          shot.direction_deg, shot.focal_35mm, shot.thickness_mm, eye[2]);
+        assert_true(!r.is_reversed);
+        n_order += r.has_order;
+        assert_int_equal(r.n_crosstalk, 7);
+    }
+    tell("pitch at the camera's distance", "lpi", &own, n);
+    tell("pitch at 400 mm", "lpi", &far, n);
+    tell("phase", "mm", &phase, n);
+    tell("skew", "degrees", &skew, n);
+    assert_true(own.error[n - 1] < 0.002);
+    assert_true(far.error[n - 1] < 0.005); /* the focal length is known to 1 mm only */
+    assert_true(phase.error[n - 1] < 0.01);
+    assert_true(skew.error[n - 1] < 0.01);
+    print_message("%d of %d within three standard errors; order of %d\n", within, n, n_order);
+    assert_true(within >= n * 9 / 10);
+    assert_true(n_order >= n * 2 / 3);
+}
+
+/* ------------------------------------------------------------------------------ wrong photos -- */
+
+static lf_shot small_shot(uint64_t seed)
+{
+    lf_shot shot = lf_shot_usual(seed);
+    shot.width = 1302;
+    shot.height = 1736;
+    shot.blur_px = 0.7;
+    shot.noise = 0.003;
+    shot.tilt_deg = 8.0;
+    return shot;
+}
+
+static void is_refused(const lf_shot *shot, const lf_chart_photo *known, lf_status expected,
+                       const char *words)
+{
+    lf_chart_reading r;
+    lf_error err = {0};
+    assert_int_equal(read_photo(shot, *known, &r, &err), expected);
+    if (!strstr(err.what, words))
+        fail_msg("\"%s\" does not say \"%s\"", err.what, words);
+}
+
+static void wrong_photos_are_refused_in_words(void **state)
+{
+    const lf_shot sound = small_shot(5);
+    const lf_chart_photo known = known_of(&sound);
+    lf_chart_reading r;
+    lf_error err = {0};
+    (void)state;
+    lf_assert_ok(read_photo(&sound, known, &r, &err), &err);
+    lf_shot s;
+    s = sound, s.sheets = LF_NO_SHEET, is_refused(&s, &known, LF_E_FORMAT, "no fringes");
+    s = sound, s.sheets = LF_TURNED_SHEET, is_refused(&s, &known, LF_E_FORMAT, "by 90 degrees");
+    s = sound, s.sheets = LF_TWO_SHEETS, is_refused(&s, &known, LF_E_FORMAT, "use one sheet");
+    s = sound, s.gain = 3.0, s.vignette = 0.0, s.slope[0] = s.slope[1] = 0.0;
+    is_refused(&s, &known, LF_E_FORMAT, "overexposed");
+    s = sound, s.mirrored = true, is_refused(&s, &known, LF_E_FORMAT, "mirrored");
+    s = sound, s.blur_px = 12.0, is_refused(&s, &known, LF_E_FORMAT, "no marks");
+    s = sound, s.aim_mm[1] = 180.0, is_refused(&s, &known, LF_E_FORMAT, "marks are visible");
+    s = sound, s.aim_mm[0] = 1e4, is_refused(&s, &known, LF_E_FORMAT, "no marks");
+    s = sound, s.width = 480, s.height = 640, is_refused(&s, &known, LF_E_FORMAT, "pixels per mm");
+    s = sound, s.tilt_deg = 0.2;
+    lf_chart_photo unknown = known;
+    unknown.focal_35mm = unknown.distance_mm = 0.0;
+    is_refused(&s, &unknown, LF_E_ARG, "is needed");
+}
+
+static void a_photo_of_another_chart_is_refused(void **state)
+{
+    const lf_shot shot = small_shot(5);
+    lf_print other = chart_of();
+    lf_chart_photo known = known_of(&shot);
+    lf_chart_reading r;
+    lf_error err = {0};
+    (void)state;
+    other.chart_step = 0.1;
+    uint8_t *data = lf_photograph(&paper, &shot);
+    known.data = data, known.width = shot.width, known.height = shot.height;
+    assert_int_equal(lf_chart_read(&other, &known, "photo.jpg", &r, &err), LF_E_FORMAT);
+    assert_non_null(strstr(err.what, "another chart"));
+    other.width_mm = 120.0, other.height_mm = 50.0; /* without marks */
+    other.chart_step = 0.1;
+    assert_int_equal(lf_chart_read(&other, &known, "photo.jpg", &r, &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "no marks"));
+    free(data);
+}
+
+/* Optics that are not the sheet's give another phase or pitch: these photos can tell. */
+static void wrong_optics_are_found_out(void **state)
+{
+    lf_shot shot = small_shot(1);
+    lf_chart_reading right, wrong;
+    lf_error err = {0};
+    (void)state;
+    shot.tilt_deg = 28.0, shot.direction_deg = 10.0, shot.thickness_mm = 0.9;
+    lf_chart_photo known = known_of(&shot);
+    known.distance_mm = 1000.0;
+    lf_assert_ok(read_photo(&shot, known, &right, &err), &err);
+    const double period = 25.4 / shot.lpi;
+    assert_true(fabs(remainder(right.phase_mm - shot.phase_mm, period)) < 0.01);
+    known.thickness_mm = 1e-6; /* no Snell */
+    lf_assert_ok(read_photo(&shot, known, &wrong, &err), &err);
+    assert_true(fabs(remainder(wrong.phase_mm - shot.phase_mm, period)) > 0.05);
+    assert_true(fabs(wrong.visual_lpi - lf_shot_visual_lpi(&shot, 1000.0)) > 0.01);
+    assert_true(fabs(right.skew_deg - shot.skew_deg) < 0.01);
+    assert_true(fabs(right.skew_deg + shot.skew_deg) > 0.02); /* the sign of the skew */
+    shot.tilt_deg = 2.0; /* the marks do not tell the focal length */
+    known.thickness_mm = shot.thickness_mm;
+    known.focal_35mm *= 1.5;
+    lf_assert_ok(read_photo(&shot, known, &wrong, &err), &err);
+    assert_true(fabs(wrong.visual_lpi - lf_shot_visual_lpi(&shot, 1000.0)) > 0.005);
+}
+
+/* Prints the code patches as if views ran the other way under each lens. */
+static void reverse_codes(void)
+{
+    const json_t *place = json_object_get(
+        json_object_get(json_object_get(manifest, "chart"), "patches_mm"), "crosstalk");
+    double mm[4];
+    const double pitch = 25.4 / 60.0, dot = paper.right_mm;
+    for (size_t k = 0; k < 4; k++)
+        mm[k] = json_number_value(json_array_get(place, k));
+    assert_true(mm[2] > 10.0);
+    float *row = malloc((size_t)paper.width * sizeof *row);
+    assert_non_null(row);
+    for (int y = (int)(mm[1] / dot); y < (int)((mm[1] + mm[3]) / dot); y++) {
+        float *own = paper.light + (size_t)y * (size_t)paper.width;
+        memcpy(row, own, (size_t)paper.width * sizeof *row);
+        for (int i = 0; i < (int)(mm[2] / dot); i++) {
+            const double x = mm[0] + (i + 0.5) * dot;
+            const double from = 2.0 * pitch * round(x / pitch) - x;
+            own[(int)floor(x / dot + 0.5 * paper.width)] =
+                row[(int)floor(from / dot + 0.5 * paper.width)];
+        }
+    }
+    free(row);
+}
+
+/* The last test: it changes the paper. */
+static void views_in_reverse_are_found(void **state)
+{
+    const lf_shot shot = small_shot(9);
+    lf_chart_reading r;
+    lf_error err = {0};
+    (void)state;
+    lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
+    assert_true(r.has_order && !r.is_reversed);
+    /* a spot of two of eight views, seen from between them: own view, half of each neighbour */
+    lf_assert_close(r.crosstalk[3], 0.48, 0.0, 0.08);
+    lf_assert_close(r.crosstalk[2] + r.crosstalk[4], 0.5, 0.0, 0.08);
+    reverse_codes();
+    lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
+    assert_true(r.has_order && r.is_reversed);
+}
+
+static void an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera(void **state)
+{
+    lf_shot shot = small_shot(3);
+    lf_chart_photo known = known_of(&shot);
+    lf_chart_reading r;
+    lf_error err = {0};
+    double eye[3];
+    (void)state;
+    shot.tilt_deg = 5.0;
+    known.thickness_mm = known.index = known.distance_mm = 0.0;
+    lf_assert_ok(read_photo(&shot, known, &r, &err), &err);
+    lf_shot_eye(&shot, eye);
+    const double error = fabs(r.visual_lpi - lf_shot_visual_lpi(&shot, eye[2]));
+    assert_true(error < 0.004 && error < 3.0 * r.error_lpi);
+    lf_assert_close(r.distance_mm, eye[2], 0.0, 0.03 * eye[2]);
+    assert_true(r.mechanical_lpi == 0.0);
+    assert_non_null(strstr(r.notes.text, "thickness is unknown"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(photos_give_pitch_phase_and_skew),
+        cmocka_unit_test(wrong_photos_are_refused_in_words),
+        cmocka_unit_test(a_photo_of_another_chart_is_refused),
+        cmocka_unit_test(wrong_optics_are_found_out),
+        cmocka_unit_test(an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera),
+        cmocka_unit_test(views_in_reverse_are_found)};
+    return cmocka_run_group_tests(tests, print_it, put_away);
+}
