@@ -37,7 +37,7 @@ typedef struct lf_proof_sheet {
     double width_mm, height_mm; /* what is seen: the trim size, around the middle */
     bool mirror;                /* the print is on the back of the sheet: its raster is mirrored */
     double pixel_mm[2];         /* of the raster, if the file does not say it */
-    int n_views;
+    int n_views;                /* across the lenses */
 } lf_proof_sheet;
 
 /* The sheet of a print: that whose visual pitch at the print's distance is print->lpi. lpi, dpi,

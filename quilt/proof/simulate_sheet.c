@@ -15,11 +15,14 @@ static double spot_of(const lf_print *print, int n_views)
                                      : 0.5 * MM_PER_INCH / print->lpi / n_views;
 }
 
+/* Across the lenses. */
 static int views_of(const lf_print *print)
 {
     const double dpi = print->horizontal && print->dpi_down > 0.0 ? print->dpi_down : print->dpi;
     const int usual = (int)floor(0.8 * dpi / print->lpi);
-    return print->n_views > 0 ? print->n_views : usual > 2 ? usual : 2;
+    if (print->n_views > 0)
+        return print->n_views / lf_print_view_rows(print);
+    return usual > 2 ? usual : 2;
 }
 
 void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_notes *notes)

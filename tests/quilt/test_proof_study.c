@@ -83,6 +83,15 @@ static void what_is_not_known_is_assumed_in_words(void **state)
     notes = (lf_image_notes){0};
     lf_proof_sheet_of(&print, &sheet, &notes);
     assert_int_equal(notes.length, 0);
+    /* a sheet of points has its views in rows */
+    lf_print points = print;
+    points.n_views = 15;
+    points.optics.grid = LF_LENS_SQUARE;
+    points.optics.view_rows = 3;
+    lf_proof_sheet of_points;
+    lf_proof_sheet_of(&points, &of_points, NULL);
+    assert_int_equal(of_points.n_views, 5);
+    lf_assert_close(of_points.spot_mm, 25.4 / 60 / 10, 1e-9, 0);
     /* 0.6 mm: all views in 25.4/60 n D / t */
     lf_assert_close(lf_proof_view_range(&sheet, 500), 25.4 / 60 * 1.56 * 500 / 0.6, 1e-9, 0);
 }

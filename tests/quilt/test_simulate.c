@@ -289,6 +289,7 @@ static void agrees_for_sheets_of_points(void **state)
         lf_proof_light seen;
         double worst = 0;
         print.optics.grid = hexagonal ? LF_LENS_HEXAGONAL : LF_LENS_SQUARE;
+        print.optics.view_rows = 1;
         const sheet oracle = sheet_of(&print);
         lf_proof_sheet_of(&print, &proofed, NULL);
         lf_assert_ok(lf_proof_see(file, &proofed, &eye, 8, NULL, &seen, &err), &err);
