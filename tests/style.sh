@@ -72,8 +72,8 @@ render/reconstruct: render/render.h render/film
 render: render/scene render/transport render/transport/path render/transport/lanes render/film render/plane render/rows render/cameras render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
-quilt/panel: quilt/quilt.h quilt/kernel
-quilt/print: quilt/quilt.h quilt/prints.h quilt/axis.h quilt/photo.h
+quilt/panel: quilt/quilt.h quilt/lens.h quilt/kernel
+quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/photo.h
 device:
 device/hid: device/device.h device/device_table.h
 device/find: device/device.h device/device_table.h device/hid
