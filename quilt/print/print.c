@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/print/compensate.h"
 #include "quilt/print/marks.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
@@ -70,8 +71,10 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
-    const lf_status optics = check_optics(print, err);
-    return optics != LF_OK ? optics : check_views(print, out_warning, err);
+    lf_status checked = check_optics(print, err);
+    if (checked == LF_OK)
+        checked = check_views(print, out_warning, err);
+    return checked == LF_OK ? lf_compensate_check(print, err) : checked;
 }
 
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
@@ -156,7 +159,8 @@ typedef struct job {
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
-    line_key held[3]; /* horizontal: the contents of the three lines of samples */
+    line_key held[3];          /* horizontal: the contents of the three lines of samples */
+    lf_compensate *compensate; /* NULL: off */
 } job;
 
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
@@ -176,13 +180,14 @@ static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
         lf_stripe_mix_at(print, &j->shape, pixel, &j->mix[pixel]);
     for (int line_index = 0; line_index < 3; line_index++)
         j->held[line_index] = (line_key){-1, -1};
-    return LF_OK;
+    return lf_compensate_create(print, &j->shape, &j->source, j->mix, &j->compensate);
 }
 
 static void job_finish(job *j)
 {
     lf_print_source_finish(&j->source);
     lf_print_colour_destroy(j->colour);
+    lf_compensate_destroy(j->compensate);
     lf_free(j->mix);
     lf_free(j->samples);
 }
@@ -207,6 +212,8 @@ static void vertical_row(job *j, int y, float *row)
                 j->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
         mix_pixel(mix, in, row + 3 * (size_t)x);
     }
+    if (j->compensate)
+        lf_compensate_across(j->compensate, j->samples, row);
 }
 
 /* The line of one stripe, cached because consecutive rows share stripes. A line that this row needs
@@ -253,7 +260,9 @@ static void draw_row(void *context, int y, float *row)
     row += (size_t)margin * 3;
     if (y < 0 || y >= j->shape.raster_height)
         return;
-    if (j->print->horizontal)
+    if (j->print->horizontal && j->compensate)
+        lf_compensate_down(j->compensate, y, row);
+    else if (j->print->horizontal)
         horizontal_row(j, y, row);
     else
         vertical_row(j, y, row);
@@ -298,6 +307,10 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
     if (status == LF_OK)
         status = write_raster(&j, run, rows_per_strip, tiff, err);
     facts.colour = j.colour;
+    if (status == LF_OK && j.compensate)
+        facts.left = lf_compensate_left(j.compensate);
+    if (status == LF_OK && run->out_left)
+        *run->out_left = facts.left;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
     job_finish(&j);

@@ -1,0 +1,469 @@
+#include "quilt/print/compensate.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "quilt/print/unmix.h"
+
+/* The weight of an eye between two views, next to that of an eye at a view. */
+#define BETWEEN 0.04
+/* Horizontal lenses: rows that are solved together, and rows around them that they depend on. */
+#define PART_ROWS 64
+#define AROUND_ROWS 16
+
+/* Sums over what was printed. */
+typedef struct tally {
+    double sum, plain_sum, worst, plain_worst;
+    int64_t n_seen, n_dots, n_clamped;
+} tally;
+
+struct lf_compensate {
+    const lf_print *print;
+    const lf_print_shape *shape;
+    const lf_print_source *source;
+    const lf_stripe_mix *mix;
+    int n_stripes, n_pixels; /* across the lenses */
+    lf_crosstalk crosstalk;  /* places 2 t: the border below stripe t; 2 t + 1: its middle */
+    lf_unmix unmix;
+    double *wanted, *pixels; /* [places], [pixels][LF_LANES] */
+    double own, own_worst;
+    tally tally;
+    /* horizontal: rows part_begin..part_end-1 are done. lines: of the stripes from first_stripe on,
+     * [most_stripes][n_along][3]; rows: of the pixels from first_row on, [most_rows][n_along][3] */
+    int part_begin, part_end, first_row, first_stripe, most_rows, most_stripes;
+    float *lines, *rows;
+};
+
+/* ---------------------------------------------------------------------------------- geometry -- */
+
+static double pixels_per_stripe(const lf_print *print)
+{
+    return lf_print_dpi_across(print) / print->lpi / print->n_views;
+}
+
+/* The spot of a lens, softened by the ink. A measured crosstalk has all blur in itself. */
+static lf_print_spot spot_of(const lf_print *print)
+{
+    const lf_print_blur *blur = &print->blur;
+    const double per_mm = lf_print_dpi_across(print) / 25.4;
+    return (lf_print_spot){.box_px = blur->spot_mm > 0.0 ? blur->spot_mm * per_mm
+                                                         : 0.5 * pixels_per_stripe(print),
+                           .ink_px = blur->n_crosstalk > 0 ? 0.0 : blur->ink_mm * per_mm};
+}
+
+static lf_crosstalk_look look_of(const lf_print *print)
+{
+    return (lf_crosstalk_look){.spot = spot_of(print),
+                               .n_extra = print->blur.n_crosstalk,
+                               .extra_px = pixels_per_stripe(print)};
+}
+
+/* Stripes are numbered across the lenses, from the first lens's. */
+static int stripe_of(const lf_print *print, int lens, int view)
+{
+    return lens * print->n_views + (print->reverse ? view : print->n_views - 1 - view);
+}
+
+static int lens_of_stripe(const lf_print *print, int stripe)
+{
+    return stripe / print->n_views;
+}
+
+static int view_of_stripe(const lf_print *print, int stripe)
+{
+    const int m = stripe % print->n_views;
+    return print->reverse ? m : print->n_views - 1 - m;
+}
+
+/* ------------------------------------------------------------------------------ what is asked --
+ */
+
+static lf_status check_kernel(const lf_print_blur *blur, lf_error *err)
+{
+    double sum = 0.0;
+    bool sound = blur->n_crosstalk >= 0 && blur->n_crosstalk <= LF_PRINT_CROSSTALK;
+    if (blur->n_crosstalk == 0)
+        return LF_OK;
+    for (int i = 0; sound && i <= 2 * blur->n_crosstalk; i++) {
+        sound = blur->crosstalk[i] >= 0.0 && blur->crosstalk[i] <= 1.0;
+        sum += blur->crosstalk[i];
+    }
+    if (!sound || fabs(sum - 1.0) > 0.01)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "the measured crosstalk is no set of shares with the sum 1; measure "
+                            "it again");
+    return LF_OK;
+}
+
+lf_status lf_compensate_check(const lf_print *print, lf_error *err)
+{
+    const lf_print_blur *blur = &print->blur;
+    if (!print->compensation.on)
+        return LF_OK;
+    if (!(blur->n_crosstalk > 0 || blur->spot_mm > 0.0 || blur->ink_mm > 0.0 ||
+          blur->dot_gain > 0.0))
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "nothing is known that could be compensated; give --spot, "
+                            "--ink-spread, --dot-gain or profiles with them");
+    if (print->optics.slant != 0.0 || print->optics.grid != LF_LENS_LINEAR ||
+        lf_print_is_exact(print))
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "compensation needs straight linear lenses and the uniform map; leave "
+                            "--compensate out");
+    const lf_status status = check_kernel(blur, err);
+    const lf_crosstalk_look look = look_of(print);
+    const double side_mm = print->horizontal ? print->height_mm : print->width_mm;
+    const double width = lf_crosstalk_width(&look);
+    if (status == LF_OK && !(width <= LF_CROSSTALK_WIDTH &&
+                             width <= floor(side_mm * lf_print_dpi_across(print) / 25.4)))
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "a blur of %.0f pixels cannot be compensated; expected at most %d, and "
+                            "less than the print",
+                            width, LF_CROSSTALK_WIDTH);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------- kernel --
+ */
+
+/* Mean share of stripe t + d in what an eye sees at stripe t, d = -reach..reach; and the least own
+ * share of a stripe. */
+static double mean_kernel(const lf_compensate *c, const lf_crosstalk *k, int reach, double *out)
+{
+    double least = 1.0;
+    int n = 0;
+    memset(out, 0, (size_t)(2 * reach + 1) * sizeof *out);
+    for (int t = 0; t < c->n_stripes; t++) {
+        const double *share = lf_crosstalk_row(k, 2 * t + 1);
+        double own = 0.0, sum = 0.0;
+        for (int d = 0; d < k->width; d++) {
+            const lf_stripe_mix *mix = &c->mix[k->first[2 * t + 1] + d];
+            for (int slot = 0; slot < 3; slot++) {
+                const int at = stripe_of(c->print, mix->lens[slot], mix->view[slot]) - t;
+                const double part = share[d] * (double)mix->weight[slot];
+                sum += part;
+                own += at == 0 ? part : 0.0;
+                if (at >= -reach && at <= reach)
+                    out[reach + at] += part;
+            }
+        }
+        n += sum > 0.0;
+        least = sum > 0.0 && own < least ? own : least;
+    }
+    for (int d = 0; d <= 2 * reach && n > 0; d++)
+        out[d] /= n;
+    return least;
+}
+
+/* The measured crosstalk, from left to right on the print, less what `sharp`, the mean kernel of
+ * the raster with the sharpest spot, explains: the spots whose sum has the measured crosstalk. */
+static lf_status extra_spots(const lf_print *print, const double *sharp, double *out)
+{
+    const int n = print->blur.n_crosstalk, size = 2 * n + 1;
+    double wanted[(2 * LF_PRINT_CROSSTALK + 1) * LF_LANES] = {0.0},
+                                                 spots[sizeof wanted / sizeof *wanted];
+    lf_crosstalk k;
+    lf_unmix unmix = {0};
+    lf_status status = lf_crosstalk_of_kernel(sharp, size, n, &k);
+    if (status == LF_OK)
+        status = lf_unmix_init(&unmix, &k);
+    for (int e = -n; e <= n && status == LF_OK; e++)
+        wanted[(n + e) * LF_LANES] = print->blur.crosstalk[print->reverse ? n + e : n - e];
+    memcpy(spots, wanted, sizeof spots);
+    if (status == LF_OK) {
+        const lf_unmix_part all = lf_unmix_part_of(&unmix, 0, size);
+        lf_unmix_light(&unmix, &all, wanted, spots);
+    }
+    for (int e = 0; e < size; e++)
+        out[e] = spots[e * LF_LANES];
+    lf_unmix_finish(&unmix);
+    lf_crosstalk_finish(&k);
+    return status;
+}
+
+static lf_status make_crosstalk(lf_compensate *c, double *middle)
+{
+    const lf_print *print = c->print;
+    const int n = print->blur.n_crosstalk;
+    double sharp[2 * LF_PRINT_CROSSTALK + 1], extra[2 * LF_PRINT_CROSSTALK + 1];
+    lf_crosstalk_look look = look_of(print);
+    const double step = pixels_per_stripe(print);
+    const double first = 0.5 * c->n_pixels + print->phase_mm * lf_print_dpi_across(print) / 25.4 +
+                         (c->shape->first_lens - 0.5) * print->n_views * step;
+    for (int p = 0; p < 2 * c->n_stripes; p++)
+        middle[p] = first + 0.5 * p * step;
+    look.middle = middle;
+    look.n_places = 2 * c->n_stripes;
+    look.n_dots = c->n_pixels;
+    look.n_extra = 0;
+    lf_status status = lf_crosstalk_of_look(&look, &c->crosstalk);
+    if (status != LF_OK || n == 0)
+        return status;
+    mean_kernel(c, &c->crosstalk, n, sharp);
+    status = extra_spots(print, sharp, extra);
+    lf_crosstalk_finish(&c->crosstalk);
+    look.n_extra = n;
+    look.extra = extra;
+    return status != LF_OK ? status : lf_crosstalk_of_look(&look, &c->crosstalk);
+}
+
+/* Eyes between views count less. */
+static void weigh(const lf_compensate *c)
+{
+    for (int p = 0; p < 2 * c->n_stripes; p += 2)
+        for (int d = 0; d < c->crosstalk.width; d++)
+            lf_crosstalk_row(&c->crosstalk, p)[d] *= sqrt(BETWEEN);
+}
+
+/* -------------------------------------------------------------------------------------- object --
+ */
+
+static lf_status alloc_rows(lf_compensate *c)
+{
+    const size_t line = 3 * (size_t)c->shape->n_along;
+    c->most_rows = PART_ROWS + 2 * (AROUND_ROWS + 2 * c->crosstalk.width);
+    c->most_stripes = (int)ceil(c->most_rows / pixels_per_stripe(c->print)) + 6;
+    c->lines = lf_calloc((size_t)c->most_stripes * line, sizeof *c->lines);
+    c->rows = lf_calloc((size_t)c->most_rows * line, sizeof *c->rows);
+    return c->lines && c->rows ? LF_OK : LF_E_NOMEM;
+}
+
+static lf_status init(lf_compensate *c)
+{
+    double kernel[1], *middle = lf_calloc((size_t)c->n_stripes, 2 * sizeof *middle);
+    lf_status status = middle ? make_crosstalk(c, middle) : LF_E_NOMEM;
+    lf_free(middle);
+    if (status != LF_OK)
+        return status;
+    c->own_worst = mean_kernel(c, &c->crosstalk, 0, kernel);
+    c->own = kernel[0];
+    weigh(c);
+    c->wanted = lf_calloc((size_t)c->n_stripes * 2 * LF_LANES, sizeof *c->wanted);
+    c->pixels = lf_calloc((size_t)c->n_pixels * LF_LANES, sizeof *c->pixels);
+    if (!c->wanted || !c->pixels)
+        return LF_E_NOMEM;
+    status = lf_unmix_init(&c->unmix, &c->crosstalk);
+    return status == LF_OK && c->print->horizontal ? alloc_rows(c) : status;
+}
+
+lf_status lf_compensate_create(const lf_print *print, const lf_print_shape *shape,
+                               const lf_print_source *source, const lf_stripe_mix *mix,
+                               lf_compensate **out)
+{
+    lf_compensate *c = NULL;
+    if (print->compensation.on) {
+        c = lf_calloc(1, sizeof *c);
+        if (!c)
+            return LF_E_NOMEM;
+        *c = (lf_compensate){.print = print,
+                             .shape = shape,
+                             .source = source,
+                             .mix = mix,
+                             .n_stripes = shape->n_lenses * print->n_views,
+                             .n_pixels =
+                                 print->horizontal ? shape->raster_height : shape->raster_width};
+        const lf_status status = init(c);
+        if (status != LF_OK) {
+            lf_compensate_destroy(c);
+            return status;
+        }
+    }
+    *out = c;
+    return LF_OK;
+}
+
+void lf_compensate_destroy(lf_compensate *c)
+{
+    if (!c)
+        return;
+    lf_unmix_finish(&c->unmix);
+    lf_crosstalk_finish(&c->crosstalk);
+    lf_free(c->wanted);
+    lf_free(c->pixels);
+    lf_free(c->lines);
+    lf_free(c->rows);
+    lf_free(c);
+}
+
+/* -------------------------------------------------------------------------------------- light --
+ */
+
+double lf_dot_gain_undone(double light, double gain)
+{
+    const double dark = 1.0 - light, slope = 1.0 + 4.0 * gain;
+    return 1.0 - 2.0 * dark / (slope + sqrt(slope * slope - 16.0 * gain * dark));
+}
+
+static double within(double v)
+{
+    return v > 0.0 ? v < 1.0 ? v : 1.0 : 0.0;
+}
+
+/* Presses light together, so that the gamut has room at both ends. */
+static double pressed(const lf_compensate *c, float light)
+{
+    const double room = c->print->compensation.headroom;
+    return room + (1.0 - 2.0 * room) * within((double)light);
+}
+
+static float printed(const lf_compensate *c, double light)
+{
+    const double gain = c->print->blur.dot_gain;
+    return (float)(gain > 0.0 ? lf_dot_gain_undone(within(light), gain) : light);
+}
+
+/* The light that eyes between views should see. */
+static void want_between(lf_compensate *c, int begin, int end)
+{
+    for (int t = begin; t < end; t++) {
+        const double *above = c->wanted + (size_t)(2 * t + 1) * LF_LANES,
+                     *below = t > 0 ? above - 2 * LF_LANES : above;
+        for (int lane = 0; lane < LF_LANES; lane++)
+            c->wanted[(size_t)(2 * t) * LF_LANES + (size_t)lane] =
+                sqrt(BETWEEN) * 0.5 * (above[lane] + below[lane]);
+    }
+}
+
+/* Adds up what the eyes at views see of pixels begin..end-1, in n_lanes lanes. */
+static void count(lf_compensate *c, const lf_unmix_part *part, int begin, int end, int n_lanes)
+{
+    tally *sums = &c->tally;
+    for (int p = part->first_place | 1; p < part->end_place; p += 2) {
+        const int middle = c->crosstalk.first[p] + c->crosstalk.width / 2;
+        if (middle < begin || middle >= end)
+            continue;
+        for (int lane = 0; lane < n_lanes; lane++) {
+            const double left = fabs(c->unmix.error[(size_t)p * LF_LANES + (size_t)lane]),
+                         plain = fabs(c->unmix.plain[(size_t)p * LF_LANES + (size_t)lane]);
+            sums->sum += left;
+            sums->plain_sum += plain;
+            sums->worst = fmax(sums->worst, left);
+            sums->plain_worst = fmax(sums->plain_worst, plain);
+        }
+        sums->n_seen += n_lanes;
+    }
+    for (int i = begin; i < end; i++)
+        for (int lane = 0; lane < n_lanes; lane++)
+            sums->n_clamped += c->unmix.clamped[i] >> lane & 1;
+    sums->n_dots += (int64_t)(end - begin) * n_lanes;
+}
+
+lf_print_left lf_compensate_left(const lf_compensate *c)
+{
+    const tally *sums = &c->tally;
+    const double n_seen = sums->n_seen > 0 ? (double)sums->n_seen : 1.0,
+                 n_dots = sums->n_dots > 0 ? (double)sums->n_dots : 1.0;
+    return (lf_print_left){.compensated = true,
+                           .own_share = c->own,
+                           .own_share_worst = c->own_worst,
+                           .ghost_before = sums->plain_sum / n_seen,
+                           .ghost = sums->sum / n_seen,
+                           .worst_before = sums->plain_worst,
+                           .worst = sums->worst,
+                           .clamped = (double)sums->n_clamped / n_dots};
+}
+
+/* --------------------------------------------------------------------------- vertical lenses -- */
+
+void lf_compensate_across(lf_compensate *c, const float *samples, float *row)
+{
+    const lf_unmix_part all = lf_unmix_part_of(&c->unmix, 0, c->n_pixels);
+    for (int t = 0; t < c->n_stripes; t++) {
+        const float *in =
+            samples + 3 * ((size_t)view_of_stripe(c->print, t) * (size_t)c->shape->n_lenses +
+                           (size_t)lens_of_stripe(c->print, t));
+        for (int i = 0; i < 3; i++)
+            c->wanted[(size_t)(2 * t + 1) * LF_LANES + (size_t)i] = pressed(c, in[i]);
+    }
+    want_between(c, 0, c->n_stripes);
+    for (int x = 0; x < c->n_pixels; x++)
+        for (int i = 0; i < 3; i++)
+            c->pixels[(size_t)x * LF_LANES + (size_t)i] = pressed(c, row[3 * x + i]);
+    lf_unmix_light(&c->unmix, &all, c->wanted, c->pixels);
+    count(c, &all, 0, c->n_pixels, 3);
+    for (int x = 0; x < c->n_pixels; x++)
+        for (int i = 0; i < 3; i++)
+            row[3 * x + i] = printed(c, c->pixels[(size_t)x * LF_LANES + (size_t)i]);
+}
+
+/* ------------------------------------------------------------------------- horizontal lenses -- */
+
+/* Fetches the stripes that the rows begin..end-1 need, and makes these rows from them. */
+static void fetch_rows(lf_compensate *c, const lf_unmix_part *part)
+{
+    const size_t line = 3 * (size_t)c->shape->n_along;
+    int first = part->first_place / 2 - 1, last = (part->end_place - 1) / 2;
+    first = first < 0 ? 0 : first;
+    for (int y = part->begin; y < part->end; y++) {
+        for (int slot = 0; slot < 3; slot++) {
+            const int t = stripe_of(c->print, c->mix[y].lens[slot], c->mix[y].view[slot]);
+            first = t < first ? t : first;
+            last = t > last ? t : last;
+        }
+    }
+    c->first_row = part->begin;
+    c->first_stripe = first;
+    for (int t = first; t <= last; t++)
+        lf_print_source_along(c->source, view_of_stripe(c->print, t), lens_of_stripe(c->print, t),
+                              c->lines + (size_t)(t - first) * line);
+    for (int y = part->begin; y < part->end; y++) {
+        const lf_stripe_mix *mix = &c->mix[y];
+        const float *in[3];
+        float *out = c->rows + (size_t)(y - part->begin) * line;
+        for (int slot = 0; slot < 3; slot++)
+            in[slot] =
+                c->lines +
+                (size_t)(stripe_of(c->print, mix->lens[slot], mix->view[slot]) - first) * line;
+        for (size_t i = 0; i < line; i++)
+            out[i] =
+                mix->weight[0] * in[0][i] + mix->weight[1] * in[1][i] + mix->weight[2] * in[2][i];
+    }
+}
+
+/* Solves n_lanes neighbouring values of all rows of a part. */
+static void solve_columns(lf_compensate *c, const lf_unmix_part *part, size_t at, int n_lanes)
+{
+    const size_t line = 3 * (size_t)c->shape->n_along;
+    const int begin = part->first_place / 2, end = (part->end_place + 1) / 2;
+    for (int t = begin > 0 ? begin - 1 : 0; t < end; t++) {
+        const float *in = c->lines + (size_t)(t - c->first_stripe) * line + at;
+        for (int lane = 0; lane < n_lanes; lane++)
+            c->wanted[(size_t)(2 * t + 1) * LF_LANES + (size_t)lane] = pressed(c, in[lane]);
+    }
+    want_between(c, begin, end);
+    for (int y = part->begin; y < part->end; y++) {
+        const float *in = c->rows + (size_t)(y - part->begin) * line + at;
+        for (int lane = 0; lane < n_lanes; lane++)
+            c->pixels[(size_t)y * LF_LANES + (size_t)lane] = pressed(c, in[lane]);
+    }
+    lf_unmix_light(&c->unmix, part, c->wanted, c->pixels);
+    count(c, part, c->part_begin, c->part_end, n_lanes);
+    for (int y = c->part_begin; y < c->part_end; y++) {
+        float *out = c->rows + (size_t)(y - part->begin) * line + at;
+        for (int lane = 0; lane < n_lanes; lane++)
+            out[lane] = printed(c, c->pixels[(size_t)y * LF_LANES + (size_t)lane]);
+    }
+}
+
+static void make_part(lf_compensate *c, int y)
+{
+    const size_t line = 3 * (size_t)c->shape->n_along;
+    const int around = AROUND_ROWS + 2 * c->crosstalk.width;
+    c->part_begin = y - y % PART_ROWS;
+    c->part_end = c->part_begin + PART_ROWS < c->n_pixels ? c->part_begin + PART_ROWS : c->n_pixels;
+    const int begin = c->part_begin > around ? c->part_begin - around : 0,
+              end = c->part_end + around < c->n_pixels ? c->part_end + around : c->n_pixels;
+    const lf_unmix_part part = lf_unmix_part_of(&c->unmix, begin, end);
+    fetch_rows(c, &part);
+    for (size_t at = 0; at < line; at += LF_LANES)
+        solve_columns(c, &part, at, line - at < LF_LANES ? (int)(line - at) : LF_LANES);
+}
+
+void lf_compensate_down(lf_compensate *c, int y, float *row)
+{
+    const size_t line = 3 * (size_t)c->shape->n_along;
+    if (y < c->part_begin || y >= c->part_end)
+        make_part(c, y);
+    memcpy(row, c->rows + (size_t)(y - c->first_row) * line, line * sizeof *row);
+}
