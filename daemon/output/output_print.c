@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/output/content.h"
 #include "daemon/output/output_internal.h"
 
@@ -93,6 +94,17 @@ static void note_laid(const lf_output_request *request, const lf_output_source *
         lf_image_note(out, "%s: %s", name, line);
 }
 
+/* What compensation took back, and what it left. */
+static void log_left(const lf_output_request *request, const lf_print_left *left)
+{
+    if (left->compensated)
+        lf_log(LF_LOG_INFO,
+               "%s: compensated: ghosts of %.2g %% of white are %.2g %% (worst %.2g %%, was "
+               "%.2g %%); %.2g %% of the dots are at the end of the gamut",
+               request->path, 100.0 * left->ghost_before, 100.0 * left->ghost, 100.0 * left->worst,
+               100.0 * left->worst_before, 100.0 * left->clamped);
+}
+
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err)
 {
@@ -109,7 +121,12 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     lf_image_notes notes = {0};
     note_laid(request, source, &print, &views, &notes);
     run.notes = &notes;
-    return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    lf_print_left left = {0};
+    run.out_left = &left;
+    const lf_status status = lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    if (status == LF_OK)
+        log_left(request, &left);
+    return status;
 }
 
 const char *const output_print_endings[] = {".tif", ".tiff", NULL};

@@ -60,6 +60,10 @@ static void complete(lf_crosstalk *k)
             sum += lf_crosstalk_row(k, t)[d];
         for (int d = 0; d < k->width && sum > 0.0; d++)
             lf_crosstalk_row(k, t)[d] /= sum;
+        if (sum > 0.0)
+            k->end_seen = t + 1;
+        else if (k->end_seen == 0)
+            k->first_seen = t + 1;
     }
     for (int dot = 0; dot < k->n_dots; dot++) {
         while (from < k->n_places && k->first[from] + k->width <= dot)

@@ -16,9 +16,10 @@
 
 typedef struct lf_crosstalk {
     int n_places, n_dots, width;
-    int *first;     /* [n_places] rising; the whole row is within 0..n_dots-1 */
-    double *share;  /* [n_places][width], sum 1; all 0 for a place outside the raster */
-    int *from, *to; /* [n_dots] the places that may see a dot: from..to-1 */
+    int *first;               /* [n_places] rising; the whole row is within 0..n_dots-1 */
+    double *share;            /* [n_places][width], sum 1; all 0 for a place outside the raster */
+    int first_seen, end_seen; /* the places whose rows are not 0 */
+    int *from, *to;           /* [n_dots] the places that may see a dot: from..to-1 */
 } lf_crosstalk;
 
 static inline double *lf_crosstalk_row(const lf_crosstalk *crosstalk, int place)

@@ -18,6 +18,28 @@ static double share_of(const lf_crosstalk *k, int t, int dot)
     return lf_crosstalk_row(k, t)[dot - k->first[t]];
 }
 
+/* The shares of a dot in the places from crosstalk->from[dot] on. */
+static double *column_of(const lf_unmix *unmix, int dot)
+{
+    return unmix->column + (size_t)dot * (size_t)unmix->height;
+}
+
+static int height_of(const lf_crosstalk *k)
+{
+    int height = 1;
+    for (int dot = 0; dot < k->n_dots; dot++)
+        height = k->to[dot] - k->from[dot] > height ? k->to[dot] - k->from[dot] : height;
+    return height;
+}
+
+static void make_columns(lf_unmix *unmix)
+{
+    const lf_crosstalk *k = unmix->crosstalk;
+    for (int dot = 0; dot < k->n_dots; dot++)
+        for (int t = k->from[dot]; t < k->to[dot]; t++)
+            column_of(unmix, dot)[t - k->from[dot]] = share_of(k, t, dot);
+}
+
 static double *lanes_of(double *values, int i)
 {
     return values + (size_t)i * LF_LANES;
@@ -60,18 +82,21 @@ lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk)
     memset(unmix, 0, sizeof *unmix);
     unmix->crosstalk = crosstalk;
     unmix->factor = lf_calloc(n_dots * (size_t)crosstalk->width, sizeof *unmix->factor);
+    unmix->height = height_of(crosstalk);
+    unmix->column = lf_calloc(n_dots * (size_t)unmix->height, sizeof *unmix->column);
     unmix->norm = lf_calloc(n_dots, sizeof *unmix->norm);
     unmix->error = lf_calloc(n_places * LF_LANES, sizeof *unmix->error);
     unmix->plain = lf_calloc(n_places * LF_LANES, sizeof *unmix->plain);
     unmix->step = lf_calloc(n_dots * LF_LANES, sizeof *unmix->step);
     unmix->dots = lf_calloc(n_dots * LF_LANES, sizeof *unmix->dots);
     unmix->clamped = lf_calloc(n_dots, 2);
-    if (!unmix->factor || !unmix->norm || !unmix->error || !unmix->plain || !unmix->step ||
-        !unmix->dots || !unmix->clamped) {
+    if (!unmix->factor || !unmix->column || !unmix->norm || !unmix->error || !unmix->plain ||
+        !unmix->step || !unmix->dots || !unmix->clamped) {
         lf_unmix_finish(unmix);
         return LF_E_NOMEM;
     }
     unmix->near = unmix->clamped + n_dots;
+    make_columns(unmix);
     make_factor(unmix);
     return LF_OK;
 }
@@ -79,6 +104,7 @@ lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk)
 void lf_unmix_finish(lf_unmix *unmix)
 {
     lf_free(unmix->factor);
+    lf_free(unmix->column);
     lf_free(unmix->norm);
     lf_free(unmix->error);
     lf_free(unmix->plain);
@@ -91,58 +117,54 @@ void lf_unmix_finish(lf_unmix *unmix)
 lf_unmix_part lf_unmix_part_of(const lf_unmix *unmix, int begin, int end)
 {
     const lf_crosstalk *k = unmix->crosstalk;
-    lf_unmix_part part = {begin, end, 0, k->n_places};
-    while (part.first_place < k->n_places && k->first[part.first_place] < begin)
+    lf_unmix_part part = {begin, end, k->first_seen, k->end_seen};
+    while (part.first_place < part.end_place && k->first[part.first_place] < begin)
         part.first_place++;
     while (part.end_place > part.first_place && k->first[part.end_place - 1] + k->width > end)
         part.end_place--;
     return part;
 }
 
-/* error = K dots - wanted, 0 where nothing is seen. */
+/* error = K dots - wanted. */
 static void look_at(lf_unmix *unmix, const lf_unmix_part *part, const double *wanted)
 {
     const lf_crosstalk *k = unmix->crosstalk;
     for (int t = part->first_place; t < part->end_place; t++) {
         const double *share = lf_crosstalk_row(k, t), *dots = lanes_of(unmix->dots, k->first[t]);
-        double seen[LF_LANES] = {0.0}, sum = 0.0;
-        for (int d = 0; d < k->width; d++) {
-            sum += share[d];
-            for (int lane = 0; lane < LF_LANES; lane++)
-                seen[lane] += share[d] * dots[d * LF_LANES + lane];
-        }
-        double *error = lanes_of(unmix->error, t);
+        double *error = lanes_of(unmix->error, t), sum[LF_LANES];
         for (int lane = 0; lane < LF_LANES; lane++)
-            error[lane] =
-                sum > 0.0 ? seen[lane] - wanted[(size_t)t * LF_LANES + (size_t)lane] : 0.0;
+            sum[lane] = -wanted[(size_t)t * LF_LANES + (size_t)lane];
+        for (int d = 0; d < k->width; d++)
+            for (int lane = 0; lane < LF_LANES; lane++)
+                sum[lane] += share[d] * dots[d * LF_LANES + lane];
+        memcpy(error, sum, sizeof sum);
     }
 }
 
-static int first_that_sees(const lf_unmix *unmix, const lf_unmix_part *part, int dot)
-{
-    const int from = unmix->crosstalk->from[dot];
-    return from > part->first_place ? from : part->first_place;
-}
+/* Places that see a dot, within a part, and the dot's shares in them. */
+typedef struct seen_at {
+    const double *share;
+    double *error;
+    int n;
+} seen_at;
 
-static int end_that_sees(const lf_unmix *unmix, const lf_unmix_part *part, int dot)
+static seen_at seen_of(const lf_unmix *unmix, const lf_unmix_part *part, int dot)
 {
-    const int to = unmix->crosstalk->to[dot];
-    return to < part->end_place ? to : part->end_place;
+    const lf_crosstalk *k = unmix->crosstalk;
+    const int from = k->from[dot] > part->first_place ? k->from[dot] : part->first_place,
+              to = k->to[dot] < part->end_place ? k->to[dot] : part->end_place;
+    return (seen_at){column_of(unmix, dot) + (from - k->from[dot]), lanes_of(unmix->error, from),
+                     to - from};
 }
 
 /* -K^T error of one dot. */
-static void pull_back(lf_unmix *unmix, const lf_unmix_part *part, int dot,
-                      double pull[static LF_LANES])
+static inline void pull_back(const seen_at *seen, double pull[static LF_LANES])
 {
-    const lf_crosstalk *k = unmix->crosstalk;
-    const int end = end_that_sees(unmix, part, dot);
-    for (int lane = 0; lane < LF_LANES; lane++)
-        pull[lane] = 0.0;
-    for (int t = first_that_sees(unmix, part, dot); t < end; t++) {
-        const double share = share_of(k, t, dot), *error = lanes_of(unmix->error, t);
+    double sum[LF_LANES] = {0.0};
+    for (int t = 0; t < seen->n; t++)
         for (int lane = 0; lane < LF_LANES; lane++)
-            pull[lane] -= share * error[lane];
-    }
+            sum[lane] -= seen->share[t] * seen->error[t * LF_LANES + lane];
+    memcpy(pull, sum, sizeof sum);
 }
 
 /* step = (L D L^T)^-1 (-K^T error). A part uses the factor of the whole: it is larger than the
@@ -152,21 +174,24 @@ static void solve(lf_unmix *unmix, const lf_unmix_part *part)
     const int width = unmix->crosstalk->width;
     for (int i = part->begin; i < part->end; i++) {
         const double *row = unmix->factor + (size_t)i * (size_t)width;
-        double *step = lanes_of(unmix->step, i);
-        pull_back(unmix, part, i, step);
+        const seen_at seen = seen_of(unmix, part, i);
+        double *step = lanes_of(unmix->step, i), sum[LF_LANES];
+        pull_back(&seen, sum);
         for (int d = 1; d < width && d <= i - part->begin; d++)
             for (int lane = 0; lane < LF_LANES; lane++)
-                step[lane] -= row[d] * (step - (size_t)d * LF_LANES)[lane];
+                sum[lane] -= row[d] * (step - (size_t)d * LF_LANES)[lane];
+        memcpy(step, sum, sizeof sum);
     }
     for (int i = part->end - 1; i >= part->begin; i--) {
         const double *row = unmix->factor + (size_t)i * (size_t)width;
-        double *step = lanes_of(unmix->step, i);
+        double *step = lanes_of(unmix->step, i), sum[LF_LANES];
         for (int lane = 0; lane < LF_LANES; lane++)
-            step[lane] *= row[0];
+            sum[lane] = step[lane] * row[0];
         for (int d = 1; d < width && d < part->end - i; d++)
             for (int lane = 0; lane < LF_LANES; lane++)
-                step[lane] -=
+                sum[lane] -=
                     (row + (size_t)d * (size_t)width)[d] * (step + (size_t)d * LF_LANES)[lane];
+        memcpy(step, sum, sizeof sum);
     }
 }
 
@@ -201,23 +226,19 @@ static bool cut(lf_unmix *unmix, const lf_unmix_part *part)
 /* Moves one dot to where the squares of the errors are least within the gamut. */
 static void settle(lf_unmix *unmix, const lf_unmix_part *part, int i)
 {
-    const lf_crosstalk *k = unmix->crosstalk;
-    double *dot = lanes_of(unmix->dots, i), moved[LF_LANES];
     if (!unmix->near[i] || unmix->norm[i] <= 0.0)
         return;
-    const int end = end_that_sees(unmix, part, i);
-    pull_back(unmix, part, i, moved);
+    const seen_at seen = seen_of(unmix, part, i);
+    double *dot = lanes_of(unmix->dots, i), moved[LF_LANES];
+    pull_back(&seen, moved);
     for (int lane = 0; lane < LF_LANES; lane++) {
         const double to = within(dot[lane] + moved[lane] / unmix->norm[i]);
         moved[lane] = to - dot[lane];
         dot[lane] = to;
     }
-    for (int t = first_that_sees(unmix, part, i); t < end; t++) {
-        const double share = share_of(k, t, i);
-        double *error = lanes_of(unmix->error, t);
+    for (int t = 0; t < seen.n; t++)
         for (int lane = 0; lane < LF_LANES; lane++)
-            error[lane] += share * moved[lane];
-    }
+            seen.error[t * LF_LANES + lane] += seen.share[t] * moved[lane];
 }
 
 /* Leaves a lane as it was if that is better. */

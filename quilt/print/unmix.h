@@ -12,7 +12,9 @@
 typedef struct lf_unmix {
     const lf_crosstalk *crosstalk;
     double *factor; /* [n_dots][width]: L and 1 / D of L D L^T */
-    double *norm;   /* [n_dots] squared length of a dot's column */
+    double *column; /* [n_dots][height] the dot's shares, from the first place that may see it */
+    int height;
+    double *norm; /* [n_dots] squared length of a dot's column */
     /* [n_places][LF_LANES]: what an eye sees less what it should see, and the same for the print as
      * it was */
     double *error, *plain;
