@@ -9,7 +9,7 @@
 #define DAMPING 1e-3
 #define SOLVES 3
 /* Sweeps of coordinate descent, each there and back, near dots at the end of the gamut. */
-#define SWEEPS 6
+#define SWEEPS 3
 /* A dot farther outside the gamut than this is a clamped one. */
 #define BEYOND 1e-6
 
