@@ -84,8 +84,7 @@ LF_NODISCARD lf_status lf_profile_lens_read(const char *name, const lf_roots *ro
 LF_NODISCARD lf_status lf_profile_printer_read(const char *name, const lf_roots *roots,
                                                lf_printer_profile *out, lf_error *err);
 
-/* -------------------------------------------------------------------------------- for a print --
- */
+/* ------------------------------------------------------------------------------- for a print -- */
 
 /* The user's names of profiles. */
 typedef struct lf_profile_names {
@@ -149,8 +148,7 @@ double lf_profile_thickness(double lpi, double angle, double index);
 /* And the angle in degrees, at most 180. */
 double lf_profile_angle(double lpi, double thickness_mm, double index);
 
-/* ------------------------------------------------------------------------------ files by name --
- */
+/* ----------------------------------------------------------------------------- files by name -- */
 
 typedef struct lf_profile_entry {
     char name[LF_PROFILE_NAME];

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,26 +53,46 @@ static int make_said(const char *program)
     return -1;
 }
 
-/* The child has only just begun to load its libraries. */
-static int limit(pid_t pid, const lf_ffmpeg_limits *limits)
+/* A shell sets the limits before it becomes the program, so no moment is without them. The shell
+ * counts memory in units of 1024 bytes, and files in units of 512. */
+static lf_ffmpeg_words limited(const lf_ffmpeg_words *words, const lf_ffmpeg_limits *limits,
+                               char *script, size_t size)
 {
     const struct {
         enum __rlimit_resource what;
-        rlim_t most;
-    } rows[] = {{RLIMIT_AS, limits->memory},
-                {RLIMIT_FSIZE, SAID_BYTES},
-                {RLIMIT_NOFILE, MOST_FILES},
-                {RLIMIT_CORE, 0}};
-    for (size_t i = 0; limits->given && i < sizeof rows / sizeof rows[0]; i++) {
-        struct rlimit now;
-        if (prlimit(pid, rows[i].what, NULL, &now) != 0)
-            return errno;
-        now.rlim_max = rows[i].most < now.rlim_max ? rows[i].most : now.rlim_max;
-        now.rlim_cur = now.rlim_max;
-        if (prlimit(pid, rows[i].what, &now, NULL) != 0)
-            return errno;
+        rlim_t most, unit;
+        char option;
+    } rows[] = {{RLIMIT_AS, limits->memory, 1024, 'v'},
+                {RLIMIT_FSIZE, SAID_BYTES, 512, 'f'},
+                {RLIMIT_NOFILE, MOST_FILES, 1, 'n'},
+                {RLIMIT_CORE, 0, 512, 'c'}};
+    lf_ffmpeg_words out = {0};
+    int used = 0;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct rlimit now = {.rlim_max = RLIM_INFINITY};
+        (void)getrlimit(rows[i].what, &now);
+        const rlim_t most = rows[i].most < now.rlim_max ? rows[i].most : now.rlim_max;
+        used += snprintf(script + used, size - (size_t)used, "ulimit -%c %ju && ", rows[i].option,
+                         (uintmax_t)(most / rows[i].unit));
+        assert((size_t)used < size);
     }
-    return 0;
+    snprintf(script + used, size - (size_t)used, "exec \"$@\"");
+    lf_ffmpeg_add(&out, (const char *const[]){"sh", "-c", script, "sh", NULL});
+    lf_ffmpeg_add(&out, words->list);
+    return out;
+}
+
+static bool is_in_path(const char *program, const char *path)
+{
+    char candidate[PATH_MAX];
+    for (const char *from = path; *from;) {
+        const size_t n = strcspn(from, ":");
+        snprintf(candidate, sizeof candidate, "%.*s/%s", (int)n, from, program);
+        if (access(candidate, X_OK) == 0)
+            return true;
+        from += n + (from[n] == ':');
+    }
+    return false;
 }
 
 /* Frames of tens of megabytes come and go. Kept by malloc, their pages are not zeroed for each
@@ -81,17 +102,23 @@ static int limit(pid_t pid, const lf_ffmpeg_limits *limits)
     "glibc.malloc.trim_threshold=1073741824"
 
 /* A child that reads foreign files gets only what it needs of our environment. */
-static int spawn(lf_ffmpeg *child, const int fds[], const lf_ffmpeg_words *words, bool is_limited)
+static int spawn(lf_ffmpeg *child, const int fds[], const lf_ffmpeg_words *words,
+                 const lf_ffmpeg_limits *limits)
 {
     static char plain[] = "LC_ALL=C", keeps[] = KEEPS_PAGES;
-    char path[8192], libraries[4096];
+    char path[8192], libraries[4096], script[256];
     char *few[5] = {plain, keeps, path};
     const char *own = getenv("PATH"), *own_libraries = getenv("LD_LIBRARY_PATH");
-    snprintf(path, sizeof path, "PATH=%s", own ? own : "/usr/local/bin:/usr/bin:/bin");
+    if (!limits->given)
+        return lf_spawn(child->program, fds, FILE_FD + 1, words->list, environ, &child->pid);
+    own = own ? own : "/usr/local/bin:/usr/bin:/bin";
+    snprintf(path, sizeof path, "PATH=%s", own);
     snprintf(libraries, sizeof libraries, "LD_LIBRARY_PATH=%s", own_libraries ? own_libraries : "");
     few[3] = own_libraries ? libraries : NULL;
-    return lf_spawn(child->program, fds, FILE_FD + 1, words->list, is_limited ? few : environ,
-                    &child->pid);
+    if (!is_in_path(child->program, own))
+        return ENOENT;
+    const lf_ffmpeg_words within = limited(words, limits, script, sizeof script);
+    return lf_spawn("/bin/sh", fds, FILE_FD + 1, within.list, few, &child->pid);
 }
 
 static int start(lf_ffmpeg *child, const lf_ffmpeg_words *words, lf_ffmpeg_flow flow, int ends[2],
@@ -109,9 +136,7 @@ static int start(lf_ffmpeg *child, const lf_ffmpeg_words *words, lf_ffmpeg_flow 
                      : 0;
     (void)fcntl(child->pipe, F_SETPIPE_SZ, PIPE_BYTES);
     if (!failed)
-        failed = spawn(child, fds, words, limits->given);
-    if (!failed)
-        failed = limit(child->pid, limits);
+        failed = spawn(child, fds, words, limits);
     if (theirs >= 0)
         close(theirs);
     if (file >= 0)

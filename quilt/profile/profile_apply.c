@@ -9,8 +9,7 @@
 #define SAME_MM 0.05
 #define RADIANS (0.017453292519943295)
 
-/* ------------------------------------------------------------------------------------- optics --
- */
+/* ------------------------------------------------------------------------------------ optics -- */
 
 static double stretch(double distance_mm, double thickness_mm, double index)
 {
@@ -34,8 +33,7 @@ double lf_profile_angle(double lpi, double thickness_mm, double index)
     return sine < 1 ? 2 * asin(sine) / RADIANS : 180;
 }
 
-/* -------------------------------------------------------------------------------------- given --
- */
+/* ------------------------------------------------------------------------------------- given -- */
 
 void lf_print_give(lf_print_given *given, const lf_param *row)
 {
@@ -62,8 +60,7 @@ static bool is_given(const lf_print_given *given, const char *key)
     return false;
 }
 
-/* -------------------------------------------------------------------------------------- apply --
- */
+/* ------------------------------------------------------------------------------------- apply -- */
 
 typedef struct filling {
     const lf_lens_profile *lens;
@@ -226,8 +223,7 @@ static lf_status take_pitch(filling *f)
     return c ? take_calibration(f, c, n) : compute_pitch(f);
 }
 
-/* -------------------------------------------------------------------------------- the printer --
- */
+/* ------------------------------------------------------------------------------- the printer -- */
 
 static void warn_of_raster(const filling *f)
 {
@@ -297,8 +293,7 @@ lf_status lf_profile_apply(const lf_lens_profile *lens, const lf_printer_profile
     return LF_OK;
 }
 
-/* -------------------------------------------------------------------------------- the account --
- */
+/* ------------------------------------------------------------------------------- the account -- */
 
 static json_t *lines_of(const lf_image_notes *notes)
 {

@@ -91,8 +91,7 @@ static void list_folders(lf_profile_kind kind, char folders[FOLDERS][PATH_MAX])
     put(folders[3], program, below);
 }
 
-/* --------------------------------------------------------------------------------------- list --
- */
+/* -------------------------------------------------------------------------------------- list -- */
 
 typedef struct listing {
     lf_profile_entry *entries;
@@ -175,8 +174,7 @@ lf_status lf_profile_list(lf_profile_kind kind, lf_profile_entry **out, int *out
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------------- find --
- */
+/* -------------------------------------------------------------------------------------- find -- */
 
 static lf_status unknown(lf_profile_kind kind, const char *name, lf_error *err)
 {

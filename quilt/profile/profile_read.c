@@ -180,8 +180,7 @@ static lf_status take_calibrations(const part *p, const json_t *list, lf_profile
     return LF_OK;
 }
 
-/* ----------------------------------------------------------------------------------- profiles --
- */
+/* ---------------------------------------------------------------------------------- profiles -- */
 
 static lf_status take_native(const part *p, const json_t *list, lf_printer_profile *out)
 {
@@ -294,8 +293,7 @@ static lf_status fill(lf_profile_kind kind, const json_t *values, const char *wh
     return status == LF_OK ? take_icc(words, where, words->printer.icc, err) : status;
 }
 
-/* -------------------------------------------------------------------------------------- files --
- */
+/* ------------------------------------------------------------------------------------- files -- */
 
 /* The name of a file without folder and ending. */
 static void name_of(const char *path, char out[static LF_PROFILE_NAME])
