@@ -7,7 +7,7 @@
 #include "quilt/print/unmix.h"
 
 /* The weight of an eye between two views, next to that of an eye at a view. */
-#define BETWEEN 0.04
+#define BETWEEN 0.025
 /* Horizontal lenses: rows that are solved together, and rows around them that they depend on. */
 #define PART_ROWS 64
 #define AROUND_ROWS 16
@@ -156,56 +156,117 @@ static double mean_kernel(const lf_compensate *c, const lf_crosstalk *k, int rea
     return least;
 }
 
-/* The measured crosstalk, from left to right on the print, less what `sharp`, the mean kernel of
- * the raster with the sharpest spot, explains: the spots whose sum has the measured crosstalk. */
-static lf_status extra_spots(const lf_print *print, const double *sharp, double *out)
+/* A spot that lies beside the place at which an eye looks. */
+typedef struct placed_spot {
+    lf_print_spot spot;
+    double beside_px;
+} placed_spot;
+
+/* Kernels of spots: the matrix of the whole print, to the spots' sum with the weights `extra`
+ * (NULL: one spot). middle[2 n_stripes] is scratch. */
+static lf_status make_matrix(const lf_compensate *c, const placed_spot *placed, const double *extra,
+                             double *middle, lf_crosstalk *out)
 {
-    const int n = print->blur.n_crosstalk, size = 2 * n + 1;
-    double wanted[(2 * LF_PRINT_CROSSTALK + 1) * LF_LANES] = {0.0},
-                                                 spots[sizeof wanted / sizeof *wanted];
+    const lf_print *print = c->print;
+    const double step = pixels_per_stripe(print);
+    const double first = 0.5 * c->n_pixels + print->phase_mm * lf_print_dpi_across(print) / 25.4 +
+                         (c->shape->first_lens - 0.5) * print->n_views * step + placed->beside_px;
+    for (int p = 0; p < 2 * c->n_stripes; p++)
+        middle[p] = first + 0.5 * p * step;
+    const lf_crosstalk_look look = {.middle = middle,
+                                    .n_places = 2 * c->n_stripes,
+                                    .n_dots = c->n_pixels,
+                                    .spot = placed->spot,
+                                    .extra = extra,
+                                    .n_extra = extra ? print->blur.n_crosstalk : 0,
+                                    .extra_px = step};
+    return lf_crosstalk_of_look(&look, out);
+}
+
+/* Sets kernel[2 reach + 1] of a spot, and its distance from the wanted one; infinite without
+ * memory or if the spot is too wide. */
+static double distance_of(const lf_compensate *c, const placed_spot *placed, const double *wanted,
+                          double *middle, double *kernel)
+{
+    const int reach = c->print->blur.n_crosstalk;
+    double sum = 0.0;
     lf_crosstalk k;
-    lf_unmix unmix = {0};
-    lf_status status = lf_crosstalk_of_kernel(sharp, size, n, &k);
-    if (status == LF_OK)
-        status = lf_unmix_init(&unmix, &k);
-    for (int e = -n; e <= n && status == LF_OK; e++)
-        wanted[(n + e) * LF_LANES] = print->blur.crosstalk[print->reverse ? n + e : n - e];
-    memcpy(spots, wanted, sizeof spots);
+    if (placed->spot.ink_px < 0.0 || make_matrix(c, placed, NULL, middle, &k) != LF_OK)
+        return (double)INFINITY;
+    mean_kernel(c, &k, reach, kernel);
+    lf_crosstalk_finish(&k);
+    for (int i = 0; i <= 2 * reach; i++)
+        sum += (kernel[i] - wanted[i]) * (kernel[i] - wanted[i]);
+    return sum;
+}
+
+/* The ink and the place of the spot whose mean kernel is nearest to the wanted one: a search with
+ * steps of a quarter of a stripe, halved when no step helps. Sets its kernel. */
+static void fit_spot(const lf_compensate *c, const double *wanted, double *middle,
+                     placed_spot *spot, double *kernel)
+{
+    const double least = 0.002 * pixels_per_stripe(c->print);
+    double best = distance_of(c, spot, wanted, middle, kernel);
+    for (double step = 0.25 * pixels_per_stripe(c->print); step > least;) {
+        placed_spot better = *spot;
+        for (int direction = 0; direction < 4; direction++) {
+            placed_spot next = *spot;
+            *(direction < 2 ? &next.beside_px : &next.spot.ink_px) += direction % 2 ? step : -step;
+            const double distance = distance_of(c, &next, wanted, middle, kernel);
+            if (distance < best) {
+                best = distance;
+                better = next;
+            }
+        }
+        if (better.beside_px == spot->beside_px && better.spot.ink_px == spot->spot.ink_px)
+            step *= 0.5;
+        *spot = better;
+    }
+    distance_of(c, spot, wanted, middle, kernel);
+}
+
+/* The weights of spots, one stripe apart, whose sum has the wanted kernel if each has this one. */
+static lf_status divide_kernels(const double *wanted, const double *kernel, int reach, double *out)
+{
+    enum { MOST = (4 * LF_PRINT_CROSSTALK + 1) * LF_LANES };
+    const int size = 4 * reach + 1; /* rows at the ends are cut off */
+    double light[MOST] = {0.0}, spots[MOST], turned[2 * LF_PRINT_CROSSTALK + 1];
+    lf_crosstalk k;
+    lf_unmix unmix;
+    for (int i = 0; i <= 2 * reach; i++) {
+        turned[i] = kernel[2 * reach - i];
+        light[(reach + i) * LF_LANES] = wanted[i];
+    }
+    lf_status status = lf_crosstalk_of_kernel(turned, size, reach, &k);
+    if (status != LF_OK)
+        return status;
+    memcpy(spots, light, sizeof spots);
+    status = lf_unmix_init(&unmix, &k);
     if (status == LF_OK) {
         const lf_unmix_part all = lf_unmix_part_of(&unmix, 0, size);
-        lf_unmix_light(&unmix, &all, wanted, spots);
+        lf_unmix_light(&unmix, &all, light, spots);
+        lf_unmix_finish(&unmix);
     }
-    for (int e = 0; e < size; e++)
-        out[e] = spots[e * LF_LANES];
-    lf_unmix_finish(&unmix);
+    for (int i = 0; i <= 2 * reach; i++)
+        out[i] = spots[(reach + i) * LF_LANES];
     lf_crosstalk_finish(&k);
     return status;
 }
 
 static lf_status make_crosstalk(lf_compensate *c, double *middle)
 {
-    const lf_print *print = c->print;
-    const int n = print->blur.n_crosstalk;
-    double sharp[2 * LF_PRINT_CROSSTALK + 1], extra[2 * LF_PRINT_CROSSTALK + 1];
-    lf_crosstalk_look look = look_of(print);
-    const double step = pixels_per_stripe(print);
-    const double first = 0.5 * c->n_pixels + print->phase_mm * lf_print_dpi_across(print) / 25.4 +
-                         (c->shape->first_lens - 0.5) * print->n_views * step;
-    for (int p = 0; p < 2 * c->n_stripes; p++)
-        middle[p] = first + 0.5 * p * step;
-    look.middle = middle;
-    look.n_places = 2 * c->n_stripes;
-    look.n_dots = c->n_pixels;
-    look.n_extra = 0;
-    lf_status status = lf_crosstalk_of_look(&look, &c->crosstalk);
-    if (status != LF_OK || n == 0)
-        return status;
-    mean_kernel(c, &c->crosstalk, n, sharp);
-    status = extra_spots(print, sharp, extra);
-    lf_crosstalk_finish(&c->crosstalk);
-    look.n_extra = n;
-    look.extra = extra;
-    return status != LF_OK ? status : lf_crosstalk_of_look(&look, &c->crosstalk);
+    const lf_print_blur *blur = &c->print->blur;
+    const int n = blur->n_crosstalk;
+    double wanted[2 * LF_PRINT_CROSSTALK + 1], kernel[2 * LF_PRINT_CROSSTALK + 1],
+        extra[2 * LF_PRINT_CROSSTALK + 1];
+    placed_spot spot = {spot_of(c->print), 0.0};
+    if (n == 0)
+        return make_matrix(c, &spot, NULL, middle, &c->crosstalk);
+    for (int e = -n; e <= n; e++) /* from left to right on the print */
+        wanted[n + e] = blur->crosstalk[c->print->reverse ? n + e : n - e];
+    fit_spot(c, wanted, middle, &spot, kernel);
+    const lf_status status = divide_kernels(wanted, kernel, n, extra);
+    return status != LF_OK ? status : make_matrix(c, &spot, extra, middle, &c->crosstalk);
 }
 
 /* Eyes between views count less. */
@@ -292,7 +353,8 @@ void lf_compensate_destroy(lf_compensate *c)
 double lf_dot_gain_undone(double light, double gain)
 {
     const double dark = 1.0 - light, slope = 1.0 + 4.0 * gain;
-    return 1.0 - 2.0 * dark / (slope + sqrt(slope * slope - 16.0 * gain * dark));
+    const double root = sqrt(fmax(slope * slope - 16.0 * gain * dark, 0.0));
+    return 1.0 - 2.0 * dark / (slope + root);
 }
 
 static double within(double v)
@@ -330,8 +392,10 @@ static void count(lf_compensate *c, const lf_unmix_part *part, int begin, int en
 {
     tally *sums = &c->tally;
     for (int p = part->first_place | 1; p < part->end_place; p += 2) {
-        const int middle = c->crosstalk.first[p] + c->crosstalk.width / 2;
-        if (middle < begin || middle >= end)
+        const int first = c->crosstalk.first[p], width = c->crosstalk.width;
+        if (first + width / 2 < begin || first + width / 2 >= end)
+            continue;
+        if (first == 0 || first + width == c->n_pixels) /* part of the spot is off the print */
             continue;
         for (int lane = 0; lane < n_lanes; lane++) {
             const double left = fabs(c->unmix.error[(size_t)p * LF_LANES + (size_t)lane]),

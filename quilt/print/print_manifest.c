@@ -227,7 +227,7 @@ static json_t *compensation_part(const lf_print_left *left)
 /* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
-    return json_pack("{s:o?, s:o, s:o, s:o}", "compensation", compensation_part(&facts->left),
+    return json_pack("{s:o*, s:o, s:o, s:o}", "compensation", compensation_part(&facts->left),
                      "lens", lens_part(facts->print, facts->shape, options), "stripes",
                      stripe_part(facts->print, options), "source", source_part(facts));
 }
