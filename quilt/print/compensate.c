@@ -7,7 +7,7 @@
 #include "quilt/print/unmix.h"
 
 /* The weight of an eye between two views, next to that of an eye at a view. */
-#define BETWEEN 0.025
+#define BETWEEN 0.012
 /* Horizontal lenses: rows that are solved together, and rows around them that they depend on. */
 #define PART_ROWS 64
 #define AROUND_ROWS 16

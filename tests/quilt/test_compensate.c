@@ -134,15 +134,13 @@ static crosstalk crosstalk_of(const lf_print *print, const reality *sheet_is, do
     return out;
 }
 
-/* No view shows more than 1 % that showed less before. */
-static void assert_no_new_ghost(const crosstalk *off, const crosstalk *on, int n)
+/* No view shows more than 1 % that showed less before, and none shows more of what it did. */
+static void assert_no_new_ghost(const crosstalk *off, const crosstalk *on, int n, double more)
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            if(i!=j && fabs(on->share[i][j]) > fmax(fabs(off->share[i][j]), 0.01)) print_message("  [%d][%d] %.4f -> %.4f\n",i,j,off->share[i][j],on->share[i][j]);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            if(0)assert_true(i == j || fabs(on->share[i][j]) <= fmax(fabs(off->share[i][j]), 0.01));
+            assert_true(i == j ||
+                        fabs(on->share[i][j]) <= fmax(fabs(off->share[i][j]) + more, 0.01));
 }
 
 static lf_print sheet_print(double lpi, int n_views, double spot_mm, double ink_mm)
@@ -201,7 +199,7 @@ static void own_shares_rise_and_no_ghost_comes(void **state)
         assert_true(on.own >= sheets[s].rise * off.own);
         assert_true(1.0 - on.own < 0.3 * (1.0 - off.own));
         assert_true(on.ghost < 0.4 * off.ghost);
-        assert_no_new_ghost(&off, &on, print.n_views);
+        assert_no_new_ghost(&off, &on, print.n_views, 0.0);
     }
 }
 
@@ -215,7 +213,7 @@ static void black_and_white_need_headroom(void **state)
     print.compensation.on = true;
     const crosstalk on = crosstalk_of(&print, &sheet, 0.0, 1.0);
     assert_true(on.own < 1.2 * off.own);
-    assert_no_new_ghost(&off, &on, print.n_views);
+    assert_no_new_ghost(&off, &on, print.n_views, 0.03);
     print.compensation.headroom = 0.3;
     const crosstalk roomy = crosstalk_of(&print, &sheet, 0.0, 1.0);
     /* 0.3 is seen instead of black: the shares of 0.4 of the light */
@@ -263,10 +261,10 @@ static void a_measured_crosstalk_is_taken_back(void **state)
 {
     (void)state;
     const reality sheet = {.ink_mm = 0.02, .spot_mm = SPOT_MM, .beside_mm = 0.008};
-    for (int round = 0; round < 4; round++) {
+    for (int round = 0; round < 2; round++) {
         lf_print print = sheet_print(60.13, 8, 0.0, 0.0);
-        print.reverse = round % 2;
-        if (round / 2)
+        print.reverse = round;
+        if (round)
             print = turned(print);
         const crosstalk off = crosstalk_of(&print, &sheet, 0.45, 0.55);
         measure(&off, print.n_views, &print.blur);
@@ -277,7 +275,7 @@ static void a_measured_crosstalk_is_taken_back(void **state)
                       on.own, off.ghost, on.ghost);
         assert_true(on.own >= 1.3 * off.own);
         assert_true(on.ghost < 0.4 * off.ghost);
-        assert_no_new_ghost(&off, &on, print.n_views);
+        assert_no_new_ghost(&off, &on, print.n_views, 0.0);
 
         for (int k = 0; k < 2; k++) {
             const double share = print.blur.crosstalk[k];
@@ -394,7 +392,8 @@ static void no_print_is_worse(void **state)
         const errors off = errors_of(&print, noise_value, &sheet);
         print.compensation.on = true;
         const errors on = errors_of(&print, noise_value, &sheet);
-        print_message("%d %g lpi %d views stripes %d ink %g: %.4f -> %.4f\n",round,print.lpi,print.n_views,print.stripes,sheet.ink_mm,off.rms,on.rms);
+        assert_true(on.rms <= off.rms + 1e-5);
+        assert_true(on.rms < 0.9 * off.rms || off.rms < 1e-4);
     }
 }
 
