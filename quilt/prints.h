@@ -24,7 +24,25 @@ struct json_t;
  * Fractional stripes: a pixel mixes the stripes it overlaps, by exact area, in linear light after
  * tone mapping. Nearest: a pixel takes the stripe that holds its centre. Stripes are half-open
  * [left, right), so a centre on a border (within 1e-9 stripe) belongs to the stripe on its right
- * (below it, for horizontal lenses). Both continue into the bleed, to the pixel. */
+ * (below it, for horizontal lenses). Both continue into the bleed, to the pixel.
+ *
+ * Lens sheets (lf_optics). Lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses,
+ * and -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans
+ * to the right. Lens k then has its axis at u = phase + k * 25.4/lpi. A fractional pixel weighs
+ * each stripe by the exact area of the leaning band in the pixel.
+ *
+ * Exact map: lpi is the pitch in the middle, and an eye at distance_mm in front of it sees the
+ * point P of the lens plane at r = |P| from the middle on the print at
+ * r + t tan(asin(sin(atan(r / D)) / n)) in the same direction. Pitch of the lenses themselves
+ * (mechanical): 25.4/lpi / (1 + t / (n D)).
+ *
+ * Micro sheets: one lens per point, of pitch 25.4/lpi along its rows. Square: lenses at (i, j) p.
+ * Hexagonal: at ((i + (j mod 2) / 2) p, j p sqrt(3) / 2), cells are the Voronoi hexagons. The grid
+ * is turned clockwise by the slant. View v is in column v mod columns from the left, and in row
+ * v / columns from the bottom, like the tiles of a quilt. A cell of p x p (hexagonal: p x
+ * 2p/sqrt(3)) is divided into columns x rows rectangles; from left to right they carry the last to
+ * the first column, from top to bottom the first to the last row: the picture under a lens is
+ * upside down and mirrored. */
 
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
@@ -43,9 +61,6 @@ typedef struct lf_print_blur {
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
 } lf_print_blur;
 
-/* Lens sheets. Their lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses, and
- * -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans to
- * the right. Where the text above says x or y of a position across the lenses, read u. */
 typedef enum lf_lens_grid { LF_LENS_LINEAR, LF_LENS_SQUARE, LF_LENS_HEXAGONAL } lf_lens_grid;
 typedef enum lf_lens_map { LF_MAP_AUTO, LF_MAP_UNIFORM, LF_MAP_EXACT } lf_lens_map;
 
@@ -107,6 +122,8 @@ typedef struct lf_print {
     bool mirror;
     /* register and alignment marks in a margin of 8 mm on every side, outside the bleed */
     bool marks;
+    double frame_ppi; /* pixels per inch of a frame set, 50..600; 0: interlaced */
+    bool relief;      /* also write the lens sheet as a height map, from optics */
     lf_stripes stripes;
     lf_compress compress;
     int bits; /* 8 or 16 */
@@ -139,6 +156,14 @@ static inline bool lf_print_is_exact(const lf_print *print)
     const lf_optics *o = &print->optics;
     return o->map != LF_MAP_UNIFORM && o->thickness_mm > 0.0 && o->distance_mm > 0.0;
 }
+
+static inline bool lf_print_is_micro(const lf_print *print)
+{
+    return print->optics.grid != LF_LENS_LINEAR;
+}
+
+/* Rows of views under a lens; 1 for linear sheets. n_views must be set. */
+int lf_print_view_rows(const lf_print *print);
 
 /* The user's options of a print: names, ranges and defaults (base/param.h). */
 extern const lf_param lf_print_params[];
@@ -173,7 +198,15 @@ LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const 
  * need not transpose them.
  *
  * Horizontal lenses, not rolled (upright pictures): view_width is the raster's width, view_height
- * the number of lenses. */
+ * the number of lenses.
+ *
+ * Slanted lenses: the same with samples 25.4/lpi / cos(slant) apart across the lenses. Sample c is
+ * the lens first_lens + c where its axis crosses the middle row (column). The samples reach half a
+ * lens further than the lenses that touch the raster. In other rows the lens's sample is
+ * interpolated between two, at the axis.
+ *
+ * Micro sheets: one sample per lens both ways; hexagonal sheets have two per lens along a row. They
+ * are interpolated at the middle of a lens where the sheet leans. */
 typedef struct lf_print_shape {
     /* pixels of the picture with bleed: round((size + 2 bleed) * dpi / 25.4), each way by its own
      * dpi */
@@ -185,6 +218,8 @@ typedef struct lf_print_shape {
     int n_lenses, n_along;         /* the same two numbers, across and along the lenses */
     /* lens number of sample 0; lens 0 is centred on the middle (plus phase) */
     int first_lens;
+    /* Position of the middle of sample 0 and distance of samples, across and along, on the print */
+    double first_across_mm, first_along_mm, step_across_mm, step_along_mm;
     double window_width_mm, window_height_mm;
     double window_center_x_mm,
         /* middle of the window from the middle of the print, in the views' picture, right and
@@ -194,8 +229,13 @@ typedef struct lf_print_shape {
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
+typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
+
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
 typedef struct lf_print_run {
+    lf_print_format format;
+    lf_outfile *relief;  /* of a print with relief, empty; the caller commits or abandons it */
+    lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */
@@ -207,17 +247,24 @@ typedef struct lf_print_run {
     lf_print_left *out_left; /* set by lf_print_write; may be NULL */
 } lf_print_run;
 
-/* Notes how much lf_print_write cuts from these views, how wide their borders are, and a scale
- * along the lenses over 2. print must have passed lf_print_check. */
+/* Notes how much lf_print_write cuts from these views, how wide their borders are, a scale along
+ * the lenses over 2, and what a relief may lack. print must have passed lf_print_check. */
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);
 
-/* Interlaces and streams the TIFF to tiff->fd (seekable, empty), then writes the manifest JSON. The
- * caller commits both, or abandons both on failure. Memory in addition to the views is a few MB;
- * BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date). The
- * manifest's sha256 is null if the TIFF's descriptor cannot be read back.
+/* Checks that the disk has room for the file, so that nobody renders in vain. A compressed file
+ * counts as a tenth of its raster. path: its name, in a folder that exists. print must have passed
+ * lf_print_check. LF_E_IO: it does not fit. */
+LF_NODISCARD lf_status lf_print_check_room(const lf_print *print, lf_print_format format,
+                                           const char *path, lf_error *err);
+
+/* Interlaces and streams the TIFF or PDF to tiff->fd (seekable, empty), then writes the manifest
+ * JSON. The caller commits both, or abandons both on failure. Memory in addition to the views is a
+ * few MB; BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date).
+ * The manifest's sha256 is null if the TIFF's descriptor cannot be read back. With print->relief,
+ * the height map is written to run->relief first; LF_E_ARG: the sheet's optics give no lens.
  *
  * Views of the shape's size are used unchanged. Others are resampled (by area to a smaller size,
  * linearly to a larger one), which the manifest records. views->n_views may differ from
@@ -227,6 +274,20 @@ double lf_print_lenses(const lf_print *print);
 LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views,
                                       const lf_print_run *run, lf_outfile *tiff,
                                       lf_outfile *manifest, lf_error *err);
+
+/* Frames for shops that interlace themselves (print->frame_ppi): every view as a TIFF of the
+ * print's size with its bleed, upright, with square pixels.
+ *
+ * lf_frame_set_print: the print whose shape the views and frames have (lf_print_shape_of); one for
+ * all frames. lf_frame_set_check: lf_print_check, and what frames cannot have; LF_E_ARG.
+ * lf_frame_set_write: files[0] is order.txt for people, files[1] the manifest, then one TIFF per
+ * view of the print, from the leftmost (topmost) camera. Errors of lf_print_write. */
+enum { LF_FRAME_SET_TOLD = 2 };
+lf_print lf_frame_set_print(const lf_print *print);
+LF_NODISCARD lf_status lf_frame_set_check(const lf_print *print, lf_error *err);
+LF_NODISCARD lf_status lf_frame_set_write(const lf_print *print, const lf_views32 *views,
+                                          const lf_print_run *run, lf_outfile *files,
+                                          lf_error *err);
 
 /* Writes a pitch test chart (quilt/print/chart.h) of the print's size and its manifest, like
  * lf_print_write. exposure and tonemap of run are not used. LF_E_ARG as for lf_print_check, and if

@@ -1,6 +1,8 @@
-/* Lenticular prints: their views, and the TIFF with its manifest. */
+/* Lenticular prints: their views, and the TIFF or PDF with its manifest. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -33,11 +35,13 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     /* trim size in the rig's picture: across and up */
     double width = print->horizontal ? print->height_mm : print->width_mm;
     double height = print->horizontal ? print->width_mm : print->height_mm;
+    if (print->frame_ppi > 0)
+        rendered = lf_frame_set_print(print);
     rendered.rolled = print->horizontal;
     lf_print_shape_of(&rendered, &shape);
     if (print->horizontal)
         roll(&settings->camera, print->width_mm / print->height_mm);
-    settings->camera.n_views = print->n_views;
+    settings->camera.n_views = print->n_views / lf_print_view_rows(print);
     settings->camera.track = 0.0;
     settings->camera.n_rows = 0;
     settings->camera.aspect = width / height;
@@ -51,27 +55,58 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     settings->window[3] = 0.5 + (top + shape.window_height_mm) / height;
 }
 
-static char *manifest_path(const char *path)
+void lf_output_print_rig(const lf_print *print, lf_camera *camera)
+{
+    if (!lf_print_is_micro(print))
+        return;
+    double distance = 0;
+    for (int k = 0; k < 3; k++)
+        distance +=
+            (camera->target[k] - camera->position[k]) * (camera->target[k] - camera->position[k]);
+    /* the whole width of a lens shows the cone; a hexagon is higher than wide */
+    const double reach = 2 * sqrt(distance) * tan(0.5 * camera->cone),
+                 height = print->optics.grid == LF_LENS_HEXAGONAL ? 2 / sqrt(3) : 1;
+    const int rows = lf_print_view_rows(print), columns = camera->n_views;
+    camera->n_rows = rows;
+    camera->track = reach * (columns - 1) / columns;
+    camera->rows_height = reach * height * (rows - 1) / rows;
+    camera->own_windows = false;
+}
+
+/* A name beside OUT.tif: its stem with another end. */
+static char *beside(const char *path, const char *end)
 {
     const char *slash = strrchr(path, '/');
     const char *dot = strrchr(path, '.');
     size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
-    char *manifest = lf_calloc(stem + sizeof ".json", 1);
-    if (manifest) {
-        memcpy(manifest, path, stem);
-        memcpy(manifest + stem, ".json", sizeof ".json");
+    char *name = lf_calloc(stem + strlen(end) + 1, 1);
+    if (name) {
+        memcpy(name, path, stem);
+        memcpy(name + stem, end, strlen(end));
     }
-    return manifest;
+    return name;
 }
 
 char *output_print_file(const char *path, int i)
 {
-    return i == 0 ? lf_strdup(path) : manifest_path(path);
+    return i == 0 ? lf_strdup(path) : beside(path, i == 1 ? ".json" : "_relief.tif");
+}
+
+static int count_files(const lf_print *print)
+{
+    return lf_output_print.n_files + print->relief;
+}
+
+lf_print_format lf_output_print_format(const char *path)
+{
+    return lf_path_has_ending(path, ".pdf") ? LF_PRINT_PDF : LF_PRINT_TIFF;
 }
 
 lf_print_run output_print_run(const lf_output_request *request)
 {
-    return (lf_print_run){.settings = request->settings,
+    return (lf_print_run){.format = lf_output_print_format(request->path),
+                          .pool = request->pool,
+                          .settings = request->settings,
                           .cancel = request->cancel,
                           .progress = request->progress,
                           .context = request->context};
@@ -119,17 +154,21 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     if (!(print.view_aspect > 0))
         print.view_aspect = source->aspect;
     lf_image_notes notes = {0};
-    note_laid(request, source, &print, &views, &notes);
+    const lf_print laid = print.frame_ppi > 0 ? lf_frame_set_print(&print) : print;
+    note_laid(request, source, &laid, &views, &notes);
     run.notes = &notes;
+    run.relief = print.relief ? &files[2] : NULL;
     lf_print_left left = {0};
     run.out_left = &left;
-    const lf_status status = lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    const lf_status status = print.frame_ppi > 0
+                                 ? lf_frame_set_write(&print, &views, &run, files, err)
+                                 : lf_print_write(&print, &views, &run, &files[0], &files[1], err);
     if (status == LF_OK)
         log_left(request, &left);
     return status;
 }
 
-const char *const output_print_endings[] = {".tif", ".tiff", NULL};
+const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};
 
 const lf_output_kind lf_output_print = {.name = "print",
                                         .what = "a print",
@@ -137,6 +176,58 @@ const lf_output_kind lf_output_print = {.name = "print",
                                         .option = "print",
                                         .asks = "lpi, width and height (mm)",
                                         .n_files = 2,
+                                        .count = count_files,
                                         .check_print = lf_print_check,
                                         .file_name = output_print_file,
                                         .write = write_files};
+
+/* ------------------------------------------------------------------------------------- frames --
+ */
+
+static char *frame_file(const char *folder, int i)
+{
+    char name[32];
+    snprintf(name, sizeof name, "frame_%03d.tif", i - LF_FRAME_SET_TOLD + 1);
+    return lf_path_join(folder, i == 0 ? "order.txt" : i == 1 ? "frames.json" : name);
+}
+
+static int count_frames(const lf_print *print)
+{
+    return LF_FRAME_SET_TOLD + print->n_views;
+}
+
+static lf_status check_frames(const lf_print *print, const char **out_warning, lf_error *err)
+{
+    if (out_warning)
+        *out_warning = NULL;
+    return lf_frame_set_check(print, err);
+}
+
+/* Counts or removes frames beyond the first n files. */
+static int surplus_frames(const char *folder, int n, bool remove)
+{
+    int count = 0;
+    for (int i = n; i < LF_FRAME_SET_TOLD + LF_MAX_VIEWS; i++) {
+        char *name = frame_file(folder, i);
+        if (name && access(name, F_OK) == 0) {
+            count++;
+            if (remove)
+                unlink(name);
+        }
+        lf_free(name);
+    }
+    return count;
+}
+
+static const char *const folder_endings[] = {"/", NULL};
+
+const lf_output_kind lf_output_frame_set = {.name = "frames",
+                                            .what = "a frame set",
+                                            .endings = folder_endings,
+                                            .option = "frame-set",
+                                            .asks = "lpi, width and height (mm)",
+                                            .count = count_frames,
+                                            .check_print = check_frames,
+                                            .file_name = frame_file,
+                                            .write = write_files,
+                                            .surplus = surplus_frames};

@@ -21,17 +21,22 @@ typedef struct tally {
 struct lf_compensate {
     const lf_print *print;
     const lf_print_shape *shape;
-    const lf_print_source *source;
     const lf_stripe_mix *mix;
     int n_stripes, n_pixels; /* across the lenses */
-    lf_crosstalk crosstalk;  /* places 2 t: the border below stripe t; 2 t + 1: its middle */
+    const lf_crosstalk *crosstalk;
     lf_unmix unmix;
-    double *wanted, *pixels; /* [places], [pixels][LF_LANES] */
+    tally *tallies; /* [raster_height]; rows of the print belong to one thread each */
+    /* of the whole: */
+    lf_crosstalk matrix; /* places 2 t: the border below stripe t; 2 t + 1: its middle */
     double own, own_worst;
-    tally tally;
-    /* horizontal: rows part_begin..part_end-1 are done. lines: of the stripes from first_stripe on,
-     * [most_stripes][n_along][3]; rows: of the pixels from first_row on, [most_rows][n_along][3] */
+    /* of a share: */
+    const lf_print_source *source;
+    double *wanted, *pixels; /* [places], [pixels][LF_LANES] */
+    /* horizontal: rows part_begin..part_end-1 are done, with their tallies. lines: of the stripes
+     * from first_stripe on, [most_stripes][n_along][3]; rows: of the pixels from first_row on,
+     * [most_rows][n_along][3] */
     int part_begin, part_end, first_row, first_stripe, most_rows, most_stripes;
+    tally part_tallies[PART_ROWS];
     float *lines, *rows;
 };
 
@@ -106,6 +111,9 @@ lf_status lf_compensate_check(const lf_print *print, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "print",
                             "nothing is known that could be compensated; give --spot, "
                             "--ink-spread, --dot-gain or profiles with them");
+    if (print->frame_ppi > 0.0)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "a frame set is not interlaced; leave --compensate out");
     if (print->optics.slant != 0.0 || print->optics.grid != LF_LENS_LINEAR ||
         lf_print_is_exact(print))
         return lf_error_set(err, LF_E_ARG, "print",
@@ -261,20 +269,20 @@ static lf_status make_crosstalk(lf_compensate *c, double *middle)
         extra[2 * LF_PRINT_CROSSTALK + 1];
     placed_spot spot = {spot_of(c->print), 0.0};
     if (n == 0)
-        return make_matrix(c, &spot, NULL, middle, &c->crosstalk);
+        return make_matrix(c, &spot, NULL, middle, &c->matrix);
     for (int e = -n; e <= n; e++) /* from left to right on the print */
         wanted[n + e] = blur->crosstalk[c->print->reverse ? n + e : n - e];
     fit_spot(c, wanted, middle, &spot, kernel);
     const lf_status status = divide_kernels(wanted, kernel, n, extra);
-    return status != LF_OK ? status : make_matrix(c, &spot, extra, middle, &c->crosstalk);
+    return status != LF_OK ? status : make_matrix(c, &spot, extra, middle, &c->matrix);
 }
 
 /* Eyes between views count less. */
-static void weigh(const lf_compensate *c)
+static void weigh(lf_compensate *c)
 {
     for (int p = 0; p < 2 * c->n_stripes; p += 2)
-        for (int d = 0; d < c->crosstalk.width; d++)
-            lf_crosstalk_row(&c->crosstalk, p)[d] *= sqrt(BETWEEN);
+        for (int d = 0; d < c->crosstalk->width; d++)
+            lf_crosstalk_row(&c->matrix, p)[d] *= sqrt(BETWEEN);
 }
 
 /* -------------------------------------------------------------------------------------- object --
@@ -283,7 +291,7 @@ static void weigh(const lf_compensate *c)
 static lf_status alloc_rows(lf_compensate *c)
 {
     const size_t line = 3 * (size_t)c->shape->n_along;
-    c->most_rows = PART_ROWS + 2 * (AROUND_ROWS + 2 * c->crosstalk.width);
+    c->most_rows = PART_ROWS + 2 * (AROUND_ROWS + 2 * c->crosstalk->width);
     c->most_stripes = (int)ceil(c->most_rows / pixels_per_stripe(c->print)) + 6;
     c->lines = lf_calloc((size_t)c->most_stripes * line, sizeof *c->lines);
     c->rows = lf_calloc((size_t)c->most_rows * line, sizeof *c->rows);
@@ -295,22 +303,18 @@ static lf_status init(lf_compensate *c)
     double kernel[1], *middle = lf_calloc((size_t)c->n_stripes, 2 * sizeof *middle);
     lf_status status = middle ? make_crosstalk(c, middle) : LF_E_NOMEM;
     lf_free(middle);
-    if (status != LF_OK)
-        return status;
-    c->own_worst = mean_kernel(c, &c->crosstalk, 0, kernel);
+    c->crosstalk = &c->matrix;
+    c->tallies = lf_calloc((size_t)c->shape->raster_height, sizeof *c->tallies);
+    if (status != LF_OK || !c->tallies)
+        return LF_E_NOMEM;
+    c->own_worst = mean_kernel(c, &c->matrix, 0, kernel);
     c->own = kernel[0];
     weigh(c);
-    c->wanted = lf_calloc((size_t)c->n_stripes * 2 * LF_LANES, sizeof *c->wanted);
-    c->pixels = lf_calloc((size_t)c->n_pixels * LF_LANES, sizeof *c->pixels);
-    if (!c->wanted || !c->pixels)
-        return LF_E_NOMEM;
-    status = lf_unmix_init(&c->unmix, &c->crosstalk);
-    return status == LF_OK && c->print->horizontal ? alloc_rows(c) : status;
+    return lf_unmix_init(&c->unmix, &c->matrix);
 }
 
 lf_status lf_compensate_create(const lf_print *print, const lf_print_shape *shape,
-                               const lf_print_source *source, const lf_stripe_mix *mix,
-                               lf_compensate **out)
+                               const lf_stripe_mix *mix, lf_compensate **out)
 {
     lf_compensate *c = NULL;
     if (print->compensation.on) {
@@ -319,7 +323,6 @@ lf_status lf_compensate_create(const lf_print *print, const lf_print_shape *shap
             return LF_E_NOMEM;
         *c = (lf_compensate){.print = print,
                              .shape = shape,
-                             .source = source,
                              .mix = mix,
                              .n_stripes = shape->n_lenses * print->n_views,
                              .n_pixels =
@@ -334,12 +337,42 @@ lf_status lf_compensate_create(const lf_print *print, const lf_print_shape *shap
     return LF_OK;
 }
 
+lf_status lf_compensate_share(lf_compensate *whole, const lf_print_source *source,
+                              lf_compensate **out)
+{
+    lf_compensate *c = lf_calloc(1, sizeof *c);
+    if (!c)
+        return LF_E_NOMEM;
+    *c = (lf_compensate){.print = whole->print,
+                         .shape = whole->shape,
+                         .mix = whole->mix,
+                         .n_stripes = whole->n_stripes,
+                         .n_pixels = whole->n_pixels,
+                         .crosstalk = whole->crosstalk,
+                         .tallies = whole->tallies,
+                         .source = source};
+    c->wanted = lf_calloc((size_t)c->n_stripes * 2 * LF_LANES, sizeof *c->wanted);
+    c->pixels = lf_calloc((size_t)c->n_pixels * LF_LANES, sizeof *c->pixels);
+    lf_status status =
+        c->wanted && c->pixels ? lf_unmix_share(&c->unmix, &whole->unmix) : LF_E_NOMEM;
+    if (status == LF_OK && c->print->horizontal)
+        status = alloc_rows(c);
+    if (status != LF_OK) {
+        lf_compensate_destroy(c);
+        return status;
+    }
+    *out = c;
+    return LF_OK;
+}
+
 void lf_compensate_destroy(lf_compensate *c)
 {
     if (!c)
         return;
+    if (!c->source)
+        lf_free(c->tallies);
     lf_unmix_finish(&c->unmix);
-    lf_crosstalk_finish(&c->crosstalk);
+    lf_crosstalk_finish(&c->matrix);
     lf_free(c->wanted);
     lf_free(c->pixels);
     lf_free(c->lines);
@@ -387,16 +420,13 @@ static void want_between(lf_compensate *c, int begin, int end)
     }
 }
 
-/* Adds up what the eyes at views see of pixels begin..end-1, in n_lanes lanes. */
-static void count(lf_compensate *c, const lf_unmix_part *part, int begin, int end, int n_lanes)
+/* Adds up what the eyes at views see at places first..end-1, in n_lanes lanes. */
+static void count_seen(const lf_compensate *c, int first, int end, int n_lanes, tally *sums)
 {
-    tally *sums = &c->tally;
-    for (int p = part->first_place | 1; p < part->end_place; p += 2) {
-        const int first = c->crosstalk.first[p], width = c->crosstalk.width;
-        if (first + width / 2 < begin || first + width / 2 >= end)
-            continue;
-        if (first == 0 || first + width == c->n_pixels) /* part of the spot is off the print */
-            continue;
+    for (int p = first | 1; p < end; p += 2) {
+        const int dot = c->crosstalk->first[p];
+        if (dot == 0 || dot + c->crosstalk->width == c->n_pixels)
+            continue; /* part of the spot may be off the print */
         for (int lane = 0; lane < n_lanes; lane++) {
             const double left = fabs(c->unmix.error[(size_t)p * LF_LANES + (size_t)lane]),
                          plain = fabs(c->unmix.plain[(size_t)p * LF_LANES + (size_t)lane]);
@@ -407,30 +437,43 @@ static void count(lf_compensate *c, const lf_unmix_part *part, int begin, int en
         }
         sums->n_seen += n_lanes;
     }
-    for (int i = begin; i < end; i++)
-        for (int lane = 0; lane < n_lanes; lane++)
-            sums->n_clamped += c->unmix.clamped[i] >> lane & 1;
-    sums->n_dots += (int64_t)(end - begin) * n_lanes;
+}
+
+static void count_clamped(const lf_compensate *c, int dot, int n_lanes, tally *sums)
+{
+    for (int lane = 0; lane < n_lanes; lane++)
+        sums->n_clamped += c->unmix.clamped[dot] >> lane & 1;
+    sums->n_dots += n_lanes;
 }
 
 lf_print_left lf_compensate_left(const lf_compensate *c)
 {
-    const tally *sums = &c->tally;
-    const double n_seen = sums->n_seen > 0 ? (double)sums->n_seen : 1.0,
-                 n_dots = sums->n_dots > 0 ? (double)sums->n_dots : 1.0;
+    tally all = {0};
+    for (int y = 0; y < c->shape->raster_height; y++) {
+        const tally *row = &c->tallies[y];
+        all.sum += row->sum;
+        all.plain_sum += row->plain_sum;
+        all.worst = fmax(all.worst, row->worst);
+        all.plain_worst = fmax(all.plain_worst, row->plain_worst);
+        all.n_seen += row->n_seen;
+        all.n_dots += row->n_dots;
+        all.n_clamped += row->n_clamped;
+    }
+    const double n_seen = all.n_seen > 0 ? (double)all.n_seen : 1.0,
+                 n_dots = all.n_dots > 0 ? (double)all.n_dots : 1.0;
     return (lf_print_left){.compensated = true,
                            .own_share = c->own,
                            .own_share_worst = c->own_worst,
-                           .ghost_before = sums->plain_sum / n_seen,
-                           .ghost = sums->sum / n_seen,
-                           .worst_before = sums->plain_worst,
-                           .worst = sums->worst,
-                           .clamped = (double)sums->n_clamped / n_dots};
+                           .ghost_before = all.plain_sum / n_seen,
+                           .ghost = all.sum / n_seen,
+                           .worst_before = all.plain_worst,
+                           .worst = all.worst,
+                           .clamped = (double)all.n_clamped / n_dots};
 }
 
 /* --------------------------------------------------------------------------- vertical lenses -- */
 
-void lf_compensate_across(lf_compensate *c, const float *samples, float *row)
+void lf_compensate_across(lf_compensate *c, int y, const float *samples, float *row)
 {
     const lf_unmix_part all = lf_unmix_part_of(&c->unmix, 0, c->n_pixels);
     for (int t = 0; t < c->n_stripes; t++) {
@@ -445,7 +488,11 @@ void lf_compensate_across(lf_compensate *c, const float *samples, float *row)
         for (int i = 0; i < 3; i++)
             c->pixels[(size_t)x * LF_LANES + (size_t)i] = pressed(c, row[3 * x + i]);
     lf_unmix_light(&c->unmix, &all, c->wanted, c->pixels);
-    count(c, &all, 0, c->n_pixels, 3);
+    tally sums = {0};
+    count_seen(c, all.first_place, all.end_place, 3, &sums);
+    for (int x = 0; x < c->n_pixels; x++)
+        count_clamped(c, x, 3, &sums);
+    c->tallies[y] = sums;
     for (int x = 0; x < c->n_pixels; x++)
         for (int i = 0; i < 3; i++)
             row[3 * x + i] = printed(c, c->pixels[(size_t)x * LF_LANES + (size_t)i]);
@@ -485,6 +532,14 @@ static void fetch_rows(lf_compensate *c, const lf_unmix_part *part)
     }
 }
 
+/* The first place, from one on, whose spot begins in row y or below. */
+static int place_in_row(const lf_compensate *c, const lf_unmix_part *part, int y, int from)
+{
+    while (from < part->end_place && c->crosstalk->first[from] < y)
+        from++;
+    return from;
+}
+
 /* Solves n_lanes neighbouring values of all rows of a part. */
 static void solve_columns(lf_compensate *c, const lf_unmix_part *part, size_t at, int n_lanes)
 {
@@ -502,8 +557,13 @@ static void solve_columns(lf_compensate *c, const lf_unmix_part *part, size_t at
             c->pixels[(size_t)y * LF_LANES + (size_t)lane] = pressed(c, in[lane]);
     }
     lf_unmix_light(&c->unmix, part, c->wanted, c->pixels);
-    count(c, part, c->part_begin, c->part_end, n_lanes);
+    int place = part->first_place;
     for (int y = c->part_begin; y < c->part_end; y++) {
+        tally *sums = &c->part_tallies[y - c->part_begin];
+        const int begin_place = place_in_row(c, part, y, place);
+        place = place_in_row(c, part, y + 1, begin_place);
+        count_seen(c, begin_place, place, n_lanes, sums);
+        count_clamped(c, y, n_lanes, sums);
         float *out = c->rows + (size_t)(y - part->begin) * line + at;
         for (int lane = 0; lane < n_lanes; lane++)
             out[lane] = printed(c, c->pixels[(size_t)y * LF_LANES + (size_t)lane]);
@@ -513,13 +573,14 @@ static void solve_columns(lf_compensate *c, const lf_unmix_part *part, size_t at
 static void make_part(lf_compensate *c, int y)
 {
     const size_t line = 3 * (size_t)c->shape->n_along;
-    const int around = AROUND_ROWS + 2 * c->crosstalk.width;
+    const int around = AROUND_ROWS + 2 * c->crosstalk->width;
     c->part_begin = y - y % PART_ROWS;
     c->part_end = c->part_begin + PART_ROWS < c->n_pixels ? c->part_begin + PART_ROWS : c->n_pixels;
     const int begin = c->part_begin > around ? c->part_begin - around : 0,
               end = c->part_end + around < c->n_pixels ? c->part_end + around : c->n_pixels;
     const lf_unmix_part part = lf_unmix_part_of(&c->unmix, begin, end);
     fetch_rows(c, &part);
+    memset(c->part_tallies, 0, sizeof c->part_tallies);
     for (size_t at = 0; at < line; at += LF_LANES)
         solve_columns(c, &part, at, line - at < LF_LANES ? (int)(line - at) : LF_LANES);
 }
@@ -529,5 +590,6 @@ void lf_compensate_down(lf_compensate *c, int y, float *row)
     const size_t line = 3 * (size_t)c->shape->n_along;
     if (y < c->part_begin || y >= c->part_end)
         make_part(c, y);
+    c->tallies[y] = c->part_tallies[y - c->part_begin];
     memcpy(row, c->rows + (size_t)(y - c->first_row) * line, line * sizeof *row);
 }

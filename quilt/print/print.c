@@ -7,6 +7,7 @@
 #include "base/alloc.h"
 #include "quilt/print/compensate.h"
 #include "quilt/print/marks.h"
+#include "quilt/print/relief.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
 
@@ -17,42 +18,83 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
     return buf;
 }
 
+#define RADIANS (3.14159265358979323846 / 180.0)
+
+double lf_print_cos(const lf_print *print)
+{
+    return cos(print->optics.slant * RADIANS);
+}
+
+double lf_print_sin(const lf_print *print)
+{
+    return sin(print->optics.slant * RADIANS);
+}
+
+double lf_print_pixels_per_lens(const lf_print *print)
+{
+    const double across = lf_print_dpi_across(print) / print->lpi;
+    /* a micro lens has them both ways */
+    return lf_print_is_micro(print)     ? fmin(print->dpi, lf_print_dpi_down(print)) / print->lpi
+           : print->optics.slant == 0.0 ? across
+                                        : across / lf_print_cos(print);
+}
+
+int lf_print_view_rows(const lf_print *print)
+{
+    if (!lf_print_is_micro(print))
+        return 1;
+    return print->optics.view_rows > 0 ? print->optics.view_rows
+                                       : (int)lround(sqrt((double)print->n_views));
+}
+
 /* With more views, stripes are so narrow that neighbouring views ghost. */
 #define VIEWS_A_PIXEL 0.8
 
+static const char ghosts[] = "with more than 0.8 dpi/lpi views, neighbouring views show as ghosts; "
+                             "use fewer views or a higher resolution";
+
 static lf_status check_views(const lf_print *print, const char **out_warning, lf_error *err)
 {
-    const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
+    const double pixels_per_lens = lf_print_pixels_per_lens(print);
     const int most = (int)fmax(floor(pixels_per_lens + 0.5), 1.0);
-    if (print->n_views < 1 || print->n_views > most)
+    const int rows = lf_print_view_rows(print), columns = print->n_views / rows;
+    if (print->n_views < 1 || columns < 1 || columns * rows != print->n_views)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "%d views do not fill %d rows; give the rows of views", print->n_views,
+                            rows);
+    if (columns > most || rows > most)
         return lf_error_set(err, LF_E_ARG, "print",
                             "%d views are not possible: a lens of %g lpi has %.4g pixels at %.10g "
-                            "dpi; expected 1 to %d views",
+                            "dpi; expected 1 to %d views%s",
                             print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print),
-                            most);
+                            most, lf_print_is_micro(print) ? " each way" : "");
+    const int widest = columns > rows ? columns : rows;
     if (out_warning)
-        *out_warning = print->n_views > 2 && print->n_views > VIEWS_A_PIXEL * pixels_per_lens + 1e-9
-                           ? "with more than 0.8 dpi/lpi views, neighbouring views show as ghosts; "
-                             "use fewer views or a higher resolution"
-                           : NULL;
+        *out_warning =
+            widest > 2 && widest > VIEWS_A_PIXEL * pixels_per_lens + 1e-9 ? ghosts : NULL;
+    return LF_OK;
+}
+
+static lf_status check_micro(const lf_print *print, lf_error *err)
+{
+    if (print->horizontal)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "micro lenses have no orientation; leave out \"horizontal\"");
+    if (print->marks)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "marks are for rows of lenses; leave them out for micro lenses");
     return LF_OK;
 }
 
 static lf_status check_optics(const lf_print *print, lf_error *err)
 {
     const lf_optics *o = &print->optics;
-    const bool is_known = o->thickness_mm > 0.0 && o->distance_mm > 0.0;
-    if (o->map == LF_MAP_EXACT && !is_known)
+    if (o->map == LF_MAP_EXACT && !lf_print_is_exact(print))
         return lf_error_set(err, LF_E_ARG, "print",
                             "an exact map needs the sheet's thickness and viewing distance; give "
                             "both, or use the uniform map");
-    if (o->grid != LF_LENS_LINEAR)
-        return lf_error_set(err, LF_E_ARG, "print",
-                            "micro lens sheets cannot be printed; use a linear lens grid");
-    if (o->slant != 0.0 || lf_print_is_exact(print))
-        return lf_error_set(err, LF_E_ARG, "print",
-                            "slanted lenses and exact maps cannot be printed; use a slant of 0 and "
-                            "the uniform map");
+    if (lf_print_is_micro(print))
+        return check_micro(print, err);
     if (o->view_rows > 0 || o->phase_down_mm != 0.0)
         return lf_error_set(err, LF_E_ARG, "print",
                             "view rows and a phase down are for micro lens sheets");
@@ -71,10 +113,29 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
+    lf_relief relief;
     lf_status checked = check_optics(print, err);
+    if (checked == LF_OK && print->relief)
+        checked = lf_relief_of(print, &relief, err);
     if (checked == LF_OK)
         checked = check_views(print, out_warning, err);
     return checked == LF_OK ? lf_compensate_check(print, err) : checked;
+}
+
+/* A micro sheet shows all views that there are, if they are fewer than it could. */
+static lf_status choose_micro_views(lf_print *print, int n_most, const char *where, lf_error *err)
+{
+    const int clean = (int)fmax(2, floor(VIEWS_A_PIXEL * lf_print_pixels_per_lens(print) + 1e-9));
+    const int asked = print->optics.view_rows;
+    const double could = (asked > 0 ? asked : clean) * (double)clean;
+    const int rows = asked > 0 ? asked : (int)lround(sqrt((double)n_most));
+    if (could > n_most && n_most != rows * (asked > 0 ? n_most / rows : rows))
+        return lf_error_set(err, LF_E_ARG, where,
+                            "%d views do not fill rows of views; give the number of rows with "
+                            "view rows",
+                            n_most);
+    print->n_views = could > n_most ? n_most : (int)could;
+    return LF_OK;
 }
 
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
@@ -85,7 +146,9 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
                                "%d views requested, but only %d exist", print->n_views, n_most);
     if (print->n_views > 0)
         return LF_OK;
-    const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
+    if (lf_print_is_micro(print))
+        return choose_micro_views(print, n_most, where, err);
+    const double pixels_per_lens = lf_print_pixels_per_lens(print);
     if (pixels_per_lens < 1.5 && n_most > 1)
         return lf_error_set(err, LF_E_ARG, where,
                             "a lens of %g lpi has %.3g pixels at %.10g dpi, too few for 2 views; "
@@ -109,24 +172,77 @@ static void lenses_of(const lf_print *print, int raster_across, int *out_first, 
     *out_last = (int)ceil(half - phase + 0.5) - 1;
 }
 
+/* Where the axis of lens 0 crosses the middle row (column). */
+static double phase_across(const lf_print *print)
+{
+    return print->optics.slant == 0.0 ? print->phase_mm : print->phase_mm / lf_print_cos(print);
+}
+
+/* Samples `step` apart, one of them at `phase`, from half a lens beyond one edge to half a lens
+ * beyond the other. */
+static int samples_beyond(double phase, double step, double lens, double half, int *out_n)
+{
+    const int first = (int)floor((-half - 0.5 * lens - phase) / step);
+    *out_n = (int)ceil((half + 0.5 * lens - phase) / step) - first + 1;
+    return first;
+}
+
+static void linear_samples(const lf_print *print, lf_print_shape *out)
+{
+    const int raster_across = print->horizontal ? out->raster_height : out->raster_width;
+    int last;
+    out->step_across_mm = lf_print_pitch_mm(print);
+    out->step_along_mm = 25.4 / lf_print_dpi_along(print);
+    out->n_along = print->horizontal ? out->raster_width : out->raster_height;
+    if (lf_print_is_separable(print)) {
+        lenses_of(print, raster_across, &out->first_lens, &last);
+        out->n_lenses = last - out->first_lens + 1;
+    } else {
+        out->step_across_mm /= lf_print_cos(print);
+        out->first_lens =
+            samples_beyond(phase_across(print), out->step_across_mm, out->step_across_mm,
+                           0.5 * raster_across * 25.4 / lf_print_dpi_across(print), &out->n_lenses);
+    }
+    out->first_across_mm = phase_across(print) + out->first_lens * out->step_across_mm;
+    out->first_along_mm = (0.5 - 0.5 * out->n_along) * out->step_along_mm;
+}
+
+/* A turned sheet's lens may lie further out by half a diagonal. */
+#define MICRO_REACH 1.6
+
+static void micro_samples(const lf_print *print, lf_print_shape *out)
+{
+    const bool is_hexagonal = print->optics.grid == LF_LENS_HEXAGONAL;
+    const double pitch = lf_print_pitch_mm(print), right_mm = 25.4 / print->dpi,
+                 down_mm = 25.4 / lf_print_dpi_down(print);
+    int first;
+    out->step_across_mm = is_hexagonal ? 0.5 * pitch : pitch;
+    out->step_along_mm = is_hexagonal ? pitch * sqrt(0.75) : pitch;
+    out->first_lens = samples_beyond(print->phase_mm, out->step_across_mm, MICRO_REACH * pitch,
+                                     0.5 * out->raster_width * right_mm, &out->n_lenses);
+    first = samples_beyond(print->optics.phase_down_mm, out->step_along_mm, MICRO_REACH * pitch,
+                           0.5 * out->raster_height * down_mm, &out->n_along);
+    out->first_across_mm = print->phase_mm + out->first_lens * out->step_across_mm;
+    out->first_along_mm = print->optics.phase_down_mm + first * out->step_along_mm;
+}
+
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out)
 {
-    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print),
-                 pitch_mm = 25.4 / print->lpi;
-    int last;
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
     memset(out, 0, sizeof *out);
     out->raster_width = (int)lround((print->width_mm + 2.0 * print->bleed_mm) / right_mm);
     out->raster_height = (int)lround((print->height_mm + 2.0 * print->bleed_mm) / down_mm);
     out->margin_px = print->marks ? (int)lround(LF_MARKS_MM / right_mm) : 0;
     out->margin_down_px = print->marks ? (int)lround(LF_MARKS_MM / down_mm) : 0;
-    lenses_of(print, print->horizontal ? out->raster_height : out->raster_width, &out->first_lens,
-              &last);
-    out->n_lenses = last - out->first_lens + 1;
-    out->n_along = print->horizontal ? out->raster_width : out->raster_height;
-
-    const double across_mm = out->n_lenses * pitch_mm,
-                 along_mm = out->n_along * (25.4 / lf_print_dpi_along(print));
-    const double center_mm = print->phase_mm + 0.5 * (out->first_lens + last) * pitch_mm;
+    if (lf_print_is_micro(print))
+        micro_samples(print, out);
+    else
+        linear_samples(print, out);
+    const double across_mm = out->n_lenses * out->step_across_mm,
+                 along_mm = out->n_along * out->step_along_mm;
+    const int last = out->first_lens + out->n_lenses - 1;
+    const double center_mm = (lf_print_is_micro(print) ? print->phase_mm : phase_across(print)) +
+                             0.5 * (out->first_lens + last) * out->step_across_mm;
     if (print->horizontal && !print->rolled) {
         out->view_width = out->n_along;
         out->view_height = out->n_lenses;
@@ -140,6 +256,9 @@ void lf_print_shape_of(const lf_print *print, lf_print_shape *out)
         out->window_height_mm = along_mm;
         out->window_center_x_mm = center_mm;
     }
+    if (lf_print_is_micro(print))
+        out->window_center_y_mm =
+            out->first_along_mm + 0.5 * (out->n_along - 1) * out->step_along_mm;
 }
 
 /* ------------------------------------------------------------------------------- interlacing -- */
@@ -155,32 +274,36 @@ typedef struct job {
     lf_print_source source;
     lf_print_colour *colour;
     lf_marks marks;
-    lf_stripe_mix *mix; /* [pixels across the lenses] */
+    lf_stripe_mix *mix;        /* [pixels across the lenses]; NULL: not separable */
+    lf_compensate *compensate; /* NULL: off */
+} job;
+
+/* What draws rows. Strips that are made at the same time have one each. */
+typedef struct hand {
+    const job *job;
+    lf_print_source source; /* with a line of its own */
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
-    line_key held[3];          /* horizontal: the contents of the three lines of samples */
+    line_key held[3];    /* horizontal: the contents of the three lines of samples */
+    lf_slanted *slanted; /* instead of samples: */
+    lf_micro *micro;
     lf_compensate *compensate; /* NULL: off */
-} job;
+} hand;
 
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
 {
     const lf_print *print = j->print;
     const int across = print->horizontal ? j->shape.raster_height : j->shape.raster_width;
-    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
-    const size_t line = (size_t)(print->horizontal ? j->shape.n_along : j->shape.n_lenses);
     lf_status status = lf_print_source_init(&j->source, print, &j->shape, views, tone);
-    if (status != LF_OK)
+    if (status != LF_OK || lf_print_is_micro(print) || !lf_print_is_separable(print))
         return status;
     j->mix = lf_calloc((size_t)across, sizeof *j->mix);
-    j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
-    if (!j->mix || !j->samples)
+    if (!j->mix)
         return LF_E_NOMEM;
     for (int pixel = 0; pixel < across; pixel++)
         lf_stripe_mix_at(print, &j->shape, pixel, &j->mix[pixel]);
-    for (int line_index = 0; line_index < 3; line_index++)
-        j->held[line_index] = (line_key){-1, -1};
-    return lf_compensate_create(print, &j->shape, &j->source, j->mix, &j->compensate);
+    return lf_compensate_create(print, &j->shape, j->mix, &j->compensate);
 }
 
 static void job_finish(job *j)
@@ -189,7 +312,43 @@ static void job_finish(job *j)
     lf_print_colour_destroy(j->colour);
     lf_compensate_destroy(j->compensate);
     lf_free(j->mix);
-    lf_free(j->samples);
+}
+
+static lf_status make_samples(hand *h)
+{
+    const lf_print *print = h->job->print;
+    const lf_print_shape *shape = &h->job->shape;
+    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
+    const size_t line = (size_t)(print->horizontal ? shape->n_along : shape->n_lenses);
+    h->samples = lf_calloc(lines * line, 3 * sizeof *h->samples);
+    for (int i = 0; i < 3; i++)
+        h->held[i] = (line_key){-1, -1};
+    return h->samples ? LF_OK : LF_E_NOMEM;
+}
+
+/* Call hand_finish also after a failure. */
+static lf_status hand_init(hand *h, const job *j)
+{
+    *h = (hand){.job = j, .source = j->source};
+    const lf_status status = lf_print_source_share(&h->source);
+    if (status != LF_OK)
+        return status;
+    if (lf_print_is_micro(j->print))
+        return lf_micro_create(j->print, &j->shape, &h->source, &h->micro);
+    if (!j->mix)
+        return lf_slanted_create(j->print, &j->shape, &h->source, &h->slanted);
+    if (j->compensate && lf_compensate_share(j->compensate, &h->source, &h->compensate) != LF_OK)
+        return LF_E_NOMEM;
+    return make_samples(h);
+}
+
+static void hand_finish(hand *h)
+{
+    lf_free(h->source.line);
+    lf_compensate_destroy(h->compensate);
+    lf_slanted_destroy(h->slanted);
+    lf_micro_destroy(h->micro);
+    lf_free(h->samples);
 }
 
 /* Adds weighted pixels: out[i] = sum over slots of weight * in. */
@@ -199,52 +358,52 @@ static inline void mix_pixel(const lf_stripe_mix *mix, const float *const in[3],
         out[c] = mix->weight[0] * in[0][c] + mix->weight[1] * in[1][c] + mix->weight[2] * in[2][c];
 }
 
-static void vertical_row(job *j, int y, float *row)
+static void vertical_row(hand *h, int y, float *row)
 {
-    const size_t n_lenses = (size_t)j->shape.n_lenses;
-    for (int view = 0; view < j->print->n_views; view++)
-        lf_print_source_across(&j->source, view, y, j->samples + (size_t)view * n_lenses * 3);
-    for (int x = 0; x < j->shape.raster_width; x++) {
-        const lf_stripe_mix *mix = &j->mix[x];
+    const size_t n_lenses = (size_t)h->job->shape.n_lenses;
+    for (int view = 0; view < h->job->print->n_views; view++)
+        lf_print_source_across(&h->source, view, y, h->samples + (size_t)view * n_lenses * 3);
+    for (int x = 0; x < h->job->shape.raster_width; x++) {
+        const lf_stripe_mix *mix = &h->job->mix[x];
         const float *in[3];
         for (int slot = 0; slot < 3; slot++)
             in[slot] =
-                j->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
+                h->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
         mix_pixel(mix, in, row + 3 * (size_t)x);
     }
-    if (j->compensate)
-        lf_compensate_across(j->compensate, j->samples, row);
+    if (h->compensate)
+        lf_compensate_across(h->compensate, y, h->samples, row);
 }
 
 /* The line of one stripe, cached because consecutive rows share stripes. A line that this row needs
  * is never replaced, since it needs at most three and there are three. */
-static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
+static const float *stripe_line(hand *h, const lf_stripe_mix *mix, int slot)
 {
-    const size_t line_size = (size_t)j->shape.n_along * 3;
+    const size_t line_size = (size_t)h->job->shape.n_along * 3;
     int free_line = 0;
     for (int line = 0; line < 3; line++) {
         bool needed = false;
-        if (j->held[line].view == mix->view[slot] && j->held[line].lens == mix->lens[slot])
-            return j->samples + (size_t)line * line_size;
+        if (h->held[line].view == mix->view[slot] && h->held[line].lens == mix->lens[slot])
+            return h->samples + (size_t)line * line_size;
         for (int other = 0; other < 3; other++)
-            needed = needed || (j->held[line].view == mix->view[other] &&
-                                j->held[line].lens == mix->lens[other]);
+            needed = needed || (h->held[line].view == mix->view[other] &&
+                                h->held[line].lens == mix->lens[other]);
         if (!needed)
             free_line = line;
     }
-    j->held[free_line] = (line_key){mix->view[slot], mix->lens[slot]};
-    float *out = j->samples + (size_t)free_line * line_size;
-    lf_print_source_along(&j->source, mix->view[slot], mix->lens[slot], out);
+    h->held[free_line] = (line_key){mix->view[slot], mix->lens[slot]};
+    float *out = h->samples + (size_t)free_line * line_size;
+    lf_print_source_along(&h->source, mix->view[slot], mix->lens[slot], out);
     return out;
 }
 
-static void horizontal_row(job *j, int y, float *row)
+static void horizontal_row(hand *h, int y, float *row)
 {
-    const lf_stripe_mix *mix = &j->mix[y];
+    const lf_stripe_mix *mix = &h->job->mix[y];
     const float *line[3];
     for (int slot = 0; slot < 3; slot++)
-        line[slot] = stripe_line(j, mix, slot);
-    for (size_t x = 0; x < (size_t)j->shape.raster_width; x++) {
+        line[slot] = stripe_line(h, mix, slot);
+    for (size_t x = 0; x < (size_t)h->job->shape.raster_width; x++) {
         const float *in[3] = {line[0] + 3 * x, line[1] + 3 * x, line[2] + 3 * x};
         mix_pixel(mix, in, row + 3 * x);
     }
@@ -252,7 +411,8 @@ static void horizontal_row(job *j, int y, float *row)
 
 static void draw_row(void *context, int y, float *row)
 {
-    job *j = context;
+    hand *h = context;
+    const job *j = h->job;
     const int margin = j->shape.margin_px;
     if (margin > 0)
         lf_marks_row(&j->marks, y, row);
@@ -260,27 +420,80 @@ static void draw_row(void *context, int y, float *row)
     row += (size_t)margin * 3;
     if (y < 0 || y >= j->shape.raster_height)
         return;
-    if (j->print->horizontal && j->compensate)
-        lf_compensate_down(j->compensate, y, row);
+    if (h->micro)
+        lf_micro_row(h->micro, y, row);
+    else if (h->slanted)
+        lf_slanted_row(h->slanted, y, row);
+    else if (j->print->horizontal && h->compensate)
+        lf_compensate_down(h->compensate, y, row);
     else if (j->print->horizontal)
-        horizontal_row(j, y, row);
+        horizontal_row(h, y, row);
     else
-        vertical_row(j, y, row);
+        vertical_row(h, y, row);
 }
 
-static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
-                              lf_error *err)
+static lf_status write_raster(job *j, const lf_print_run *run, const char *description,
+                              int rows_per_strip, lf_outfile *tiff, lf_error *err)
 {
-    char description[160], dpi[48];
-    const lf_print_page page = {j->print,    j->marks.width, j->marks.height,
-                                description, draw_row,       j};
-    snprintf(description, sizeof description,
-             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
-             j->print->n_views, j->print->lpi, lf_print_dpi_text(j->print, dpi, sizeof dpi));
-    return lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+    hand hands[LF_PRINT_MAX_HANDS];
+    void *contexts[LF_PRINT_MAX_HANDS];
+    lf_status status = LF_OK;
+    lf_print_page page = {.print = j->print,
+                          .width = j->marks.width,
+                          .height = j->marks.height,
+                          .description = description,
+                          .draw = draw_row,
+                          .hands = contexts};
+    while (page.n_hands < lf_print_hands(run) && status == LF_OK) {
+        status = hand_init(&hands[page.n_hands], j);
+        contexts[page.n_hands] = &hands[page.n_hands];
+        page.n_hands++;
+    }
+    if (status == LF_OK)
+        status = lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+    else
+        lf_error_set(err, status, "print", "out of memory");
+    for (int i = 0; i < page.n_hands; i++)
+        hand_finish(&hands[i]);
+    return status;
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
+
+static lf_status write_relief(const lf_print *print, const lf_print_run *run, lf_relief *out,
+                              lf_error *err)
+{
+    const lf_status status = lf_relief_of(print, out, err);
+    if (status != LF_OK)
+        return status;
+    return run->relief ? lf_relief_write(out, run, run->relief, err)
+                       : lf_error_set(err, LF_E_ARG, "print", "a relief needs a file of its own");
+}
+
+static lf_status check_given(const lf_print *print, const lf_views32 *views, const char **warning,
+                             lf_error *err)
+{
+    lf_status status = lf_print_check(print, warning, err);
+    if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
+        status = lf_error_set(err, LF_E_ARG, "print", "no views");
+    if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
+        status = lf_error_set(
+            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
+            views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
+    return status;
+}
+
+/* Call job_finish also after a failure. */
+static lf_status job_start(job *j, const lf_views32 *views, const lf_tone *tone, lf_error *err)
+{
+    lf_print_shape_of(j->print, &j->shape);
+    j->marks = lf_marks_of(j->print, &j->shape);
+    lf_status status = lf_print_colour_create(j->print, &j->colour, err);
+    if (status != LF_OK)
+        return status;
+    status = job_init(j, views, tone);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
+}
 
 lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                 const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
@@ -288,24 +501,24 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
 {
     job j = {.print = print};
     lf_tone *tone = NULL;
+    lf_relief relief;
     lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
-    lf_status status = lf_print_check(print, &facts.warning, err);
-    if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
-        status = lf_error_set(err, LF_E_ARG, "print", "no views");
+    char description[160], dpi[48];
+    lf_status status = check_given(print, views, &facts.warning, err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    lf_print_shape_of(print, &j.shape);
-    j.marks = lf_marks_of(print, &j.shape);
-    status = lf_print_colour_create(print, &j.colour, err);
-    if (status == LF_OK) {
-        status = job_init(&j, views, tone);
-        if (status != LF_OK)
-            lf_error_set(err, status, "print", "out of memory");
+    status = job_start(&j, views, tone, err);
+    if (status == LF_OK && print->relief) {
+        status = write_relief(print, run, &relief, err);
+        facts.relief = &relief;
     }
+    snprintf(description, sizeof description,
+             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
+             print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
     if (status == LF_OK)
-        status = write_raster(&j, run, rows_per_strip, tiff, err);
+        status = write_raster(&j, run, description, rows_per_strip, tiff, err);
     facts.colour = j.colour;
     if (status == LF_OK && j.compensate)
         facts.left = lf_compensate_left(j.compensate);
@@ -313,6 +526,25 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
         *run->out_left = facts.left;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
+    job_finish(&j);
+    lf_tone_destroy(tone);
+    return status;
+}
+
+lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
+                               const lf_print_run *run, const char *description, lf_outfile *tiff,
+                               lf_error *err)
+{
+    job j = {.print = print};
+    lf_tone *tone = NULL;
+    lf_status status = check_given(print, view, NULL, err);
+    if (status == LF_OK)
+        status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
+    if (status != LF_OK)
+        return status;
+    status = job_start(&j, view, tone, err);
+    if (status == LF_OK)
+        status = write_raster(&j, run, description, 0, tiff, err);
     job_finish(&j);
     lf_tone_destroy(tone);
     return status;

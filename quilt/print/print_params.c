@@ -111,6 +111,11 @@ const lf_param lf_print_params[] = {
     {.name = "headroom", .option = "headroom", .argument = "FRACTION",
      PLACE(compensation.headroom), .low = 0, .high = 0.4,
      .help = "compensation: linear light taken from black and from white for it"},
+    {.option = "frame-set", .argument = "PPI", PLACE(frame_ppi), .unit = "pixels per inch",
+     .low = 50, .high = 600,
+     .help = "with --print: write the views as TIFF files to the folder OUT, not interlaced"},
+    {.option = "relief", PLACE(relief), .type = LF_PARAM_SWITCH,
+     .help = "write the lens sheet as a height map, too: OUT_relief.tif"},
     {0},
 };
 /* clang-format on */

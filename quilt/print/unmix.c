@@ -76,36 +76,57 @@ static void make_factor(lf_unmix *unmix)
     }
 }
 
-lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk)
+static lf_status make_scratch(lf_unmix *unmix)
 {
-    const size_t n_dots = (size_t)crosstalk->n_dots, n_places = (size_t)crosstalk->n_places;
-    memset(unmix, 0, sizeof *unmix);
-    unmix->crosstalk = crosstalk;
-    unmix->factor = lf_calloc(n_dots * (size_t)crosstalk->width, sizeof *unmix->factor);
-    unmix->height = height_of(crosstalk);
-    unmix->column = lf_calloc(n_dots * (size_t)unmix->height, sizeof *unmix->column);
-    unmix->norm = lf_calloc(n_dots, sizeof *unmix->norm);
+    const size_t n_dots = (size_t)unmix->crosstalk->n_dots,
+                 n_places = (size_t)unmix->crosstalk->n_places;
     unmix->error = lf_calloc(n_places * LF_LANES, sizeof *unmix->error);
     unmix->plain = lf_calloc(n_places * LF_LANES, sizeof *unmix->plain);
     unmix->step = lf_calloc(n_dots * LF_LANES, sizeof *unmix->step);
     unmix->dots = lf_calloc(n_dots * LF_LANES, sizeof *unmix->dots);
     unmix->clamped = lf_calloc(n_dots, 2);
-    if (!unmix->factor || !unmix->column || !unmix->norm || !unmix->error || !unmix->plain ||
-        !unmix->step || !unmix->dots || !unmix->clamped) {
+    if (!unmix->error || !unmix->plain || !unmix->step || !unmix->dots || !unmix->clamped) {
         lf_unmix_finish(unmix);
         return LF_E_NOMEM;
     }
     unmix->near = unmix->clamped + n_dots;
+    return LF_OK;
+}
+
+lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk)
+{
+    const size_t n_dots = (size_t)crosstalk->n_dots;
+    *unmix = (lf_unmix){.crosstalk = crosstalk, .height = height_of(crosstalk)};
+    unmix->factor = lf_calloc(n_dots * (size_t)crosstalk->width, sizeof *unmix->factor);
+    unmix->column = lf_calloc(n_dots * (size_t)unmix->height, sizeof *unmix->column);
+    unmix->norm = lf_calloc(n_dots, sizeof *unmix->norm);
+    if (!unmix->factor || !unmix->column || !unmix->norm) {
+        lf_unmix_finish(unmix);
+        return LF_E_NOMEM;
+    }
     make_columns(unmix);
     make_factor(unmix);
-    return LF_OK;
+    return make_scratch(unmix);
+}
+
+lf_status lf_unmix_share(lf_unmix *unmix, const lf_unmix *whole)
+{
+    *unmix = (lf_unmix){.shares = true,
+                        .crosstalk = whole->crosstalk,
+                        .factor = whole->factor,
+                        .column = whole->column,
+                        .height = whole->height,
+                        .norm = whole->norm};
+    return make_scratch(unmix);
 }
 
 void lf_unmix_finish(lf_unmix *unmix)
 {
-    lf_free(unmix->factor);
-    lf_free(unmix->column);
-    lf_free(unmix->norm);
+    if (!unmix->shares) {
+        lf_free(unmix->factor);
+        lf_free(unmix->column);
+        lf_free(unmix->norm);
+    }
     lf_free(unmix->error);
     lf_free(unmix->plain);
     lf_free(unmix->step);

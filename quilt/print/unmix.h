@@ -5,11 +5,14 @@
 #ifndef LF_QUILT_UNMIX_H
 #define LF_QUILT_UNMIX_H
 
+#include <stdbool.h>
+
 #include "quilt/print/crosstalk.h"
 
 #define LF_LANES 4
 
 typedef struct lf_unmix {
+    bool shares; /* factor, column and norm are another's */
     const lf_crosstalk *crosstalk;
     double *factor; /* [n_dots][width]: L and 1 / D of L D L^T */
     double *column; /* [n_dots][height] the dot's shares, from the first place that may see it */
@@ -25,6 +28,8 @@ typedef struct lf_unmix {
 
 /* Borrows the matrix. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk);
+/* The same for another thread; borrows `whole`. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_unmix_share(lf_unmix *unmix, const lf_unmix *whole);
 void lf_unmix_finish(lf_unmix *unmix);
 
 /* Dots begin..end-1, and the places that see no other dots. */

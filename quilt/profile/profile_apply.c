@@ -122,6 +122,8 @@ static void say_sheet(filling *f)
         say_number(f, "thickness", optics->thickness_mm, "mm");
     if (f->lens->optics.index > 0 && !is_given(f->given, "index"))
         say_number(f, "index", optics->index, "");
+    else if (optics->thickness_mm > 0 && !(optics->index > 0))
+        say_number(f, "index unknown, taken as", lf_optics_index(optics), "");
     if (f->lens->optics.slant != 0 && !is_given(f->given, "slant"))
         say_number(f, "slant", optics->slant, "degrees");
     if (f->lens->has_horizontal && !is_given(f->given, "orientation"))
@@ -159,31 +161,31 @@ static lf_status take_calibration(filling *f, const lf_lens_calibration *c, int 
 {
     lf_print *print = f->print;
     lf_optics *optics = &print->optics;
-    char what[256];
+    char what[256], from[96];
     if (!is_given(f->given, "distance") && n > 1)
         return lf_error_set(f->err, LF_E_ARG, "--distance",
-                            "is needed; %s has %d calibrations with %s, at %g mm and others",
+                            "is needed; %s has %d calibrations with %s, one of them for %g mm",
                             f->lens->file.name, n, f->printer->file.name, c->distance_mm);
     const double wanted = is_given(f->given, "distance") ? optics->distance_mm : c->distance_mm;
     const bool is_same = fabs(wanted - c->distance_mm) <= SAME_MM;
     if (!is_same && !(optics->thickness_mm > 0))
-        return lf_error_set(f->err, LF_E_ARG, "--distance",
-                            "%g mm: %s was measured at %g mm, and its thickness is unknown; add "
-                            "--thickness",
-                            wanted, f->lens->file.name, c->distance_mm);
+        return lf_error_set(
+            f->err, LF_E_ARG, "--distance",
+            "%g mm: %s was measured at %g mm, and its thickness is unknown; give the "
+            "thickness, too",
+            wanted, f->lens->file.name, c->distance_mm);
     take_measured(f, c);
     optics->distance_mm = wanted;
     print->lpi = is_same ? c->visual_lpi
                          : lf_profile_pitch(c->visual_lpi, c->distance_mm, wanted,
                                             optics->thickness_mm, lf_optics_index(optics));
-    snprintf(what, sizeof what, "%.4f lpi %s %g mm, measured%s%s with %s", print->lpi,
-             is_same ? "at" : "computed for", wanted, c->date[0] != '\0' ? " on " : "", c->date,
-             c->printer);
+    f->told->pitch_kind = is_same ? "visual, as measured" : "visual, from one that was measured";
+    from[0] = '\0';
+    if (!is_same)
+        snprintf(from, sizeof from, "computed for %g mm from %.4f lpi ", wanted, c->visual_lpi);
+    snprintf(what, sizeof what, "%.4f lpi %sat %g mm, measured%s%s with %s", print->lpi, from,
+             c->distance_mm, c->date[0] != '\0' ? " on " : "", c->date, c->printer);
     say(f, what);
-    if (!is_same) {
-        snprintf(what, sizeof what, "from %.4f lpi at %g mm", c->visual_lpi, c->distance_mm);
-        say(f, what);
-    }
     return LF_OK;
 }
 
@@ -195,14 +197,14 @@ static lf_status compute_pitch(filling *f)
     char what[128];
     if (!(optics->distance_mm > 0))
         return lf_error_set(f->err, LF_E_ARG, "--distance",
-                            "is needed, because %s has no calibration with %s%s; add --distance MM",
-                            lens->file.name, f->printer ? "" : "a printer",
-                            f->printer ? f->printer->file.name : "");
+                            "is needed, because %s has no calibration with %s%s", lens->file.name,
+                            f->printer ? "" : "a printer", f->printer ? f->printer->file.name : "");
     f->print->lpi = lf_profile_pitch(lens->pitch_lpi, 0, optics->distance_mm, optics->thickness_mm,
                                      lf_optics_index(optics));
     snprintf(what, sizeof what, "%.4f lpi computed for %g mm from %g lpi", f->print->lpi,
              optics->distance_mm, lens->pitch_lpi);
     say(f, what);
+    f->told->pitch_kind = "visual, computed, not measured";
     lf_image_note(&f->told->warnings,
                   "%s: the pitch is not measured; print a chart and keep its result with "
                   "quiltprint calibrate",
@@ -275,10 +277,10 @@ lf_status lf_profile_apply(const lf_lens_profile *lens, const lf_printer_profile
     *told = (lf_profile_told){0};
     if (!lens && !is_given(given, "lpi"))
         return lf_error_set(err, LF_E_ARG, "--printer",
-                            "the pitch is unknown; add --lens NAME or --print LPI@DPI");
+                            "the pitch is unknown; name a lens, or give the pitch");
     if (!printer && !is_given(given, "dpi"))
         return lf_error_set(err, LF_E_ARG, "--lens",
-                            "the raster is unknown; add --printer NAME or --print LPI@DPI");
+                            "the raster is unknown; name a printer, or give the dpi");
     if (lens) {
         take_sheet(&f);
         lf_status status = take_pitch(&f);
@@ -342,20 +344,40 @@ static json_t *printer_json(const lf_printer_profile *printer)
 json_t *lf_profile_account(const lf_lens_profile *lens, const lf_printer_profile *printer,
                            const lf_profile_told *told)
 {
-    return json_pack("{s:o*, s:o*, s:o, s:o}", "lens", lens ? lens_json(lens) : NULL, "printer",
-                     printer ? printer_json(printer) : NULL, "used", lines_of(&told->lines),
-                     "warnings", lines_of(&told->warnings));
+    return json_pack("{s:o*, s:o*, s:s*, s:o, s:o}", "lens", lens ? lens_json(lens) : NULL,
+                     "printer", printer ? printer_json(printer) : NULL, "pitch_kind",
+                     told->pitch_kind, "used", lines_of(&told->lines), "warnings",
+                     lines_of(&told->warnings));
 }
 
-lf_status lf_profiles_read(const lf_profile_names *names, const lf_roots *roots, lf_profiles *out,
+lf_status lf_profiles_open(const lf_profile_names *names, const lf_roots *roots,
+                           const lf_print_given *given, lf_print *print, lf_profiles *out,
                            lf_error *err)
 {
+    const lf_lens_profile *lens = names->lens ? &out->lens : NULL;
+    const lf_printer_profile *printer = names->printer ? &out->printer : NULL;
     lf_status status = LF_OK;
-    out->has_lens = names->lens;
-    out->has_printer = names->printer;
-    if (names->lens)
+    if (!lens && !printer)
+        return LF_OK;
+    if (lens)
         status = lf_profile_lens_read(names->lens, roots, &out->lens, err);
-    if (status == LF_OK && names->printer)
+    if (status == LF_OK && printer)
         status = lf_profile_printer_read(names->printer, roots, &out->printer, err);
-    return status;
+    if (status == LF_OK)
+        status = lf_profile_apply(lens, printer, given, print, &out->told, err);
+    if (status != LF_OK)
+        return status;
+    out->account = lf_profile_account(lens, printer, &out->told);
+    if (!out->account)
+        return lf_error_set(err, LF_E_NOMEM, "profiles", "out of memory");
+    print->profiles = out->account;
+    if (printer && print->icc_path == printer->icc && !lf_profile_is_path(names->printer))
+        print->icc_roots = NULL;
+    return LF_OK;
+}
+
+void lf_profiles_finish(lf_profiles *profiles)
+{
+    json_decref(profiles->account);
+    profiles->account = NULL;
 }

@@ -111,7 +111,7 @@ static void reads_every_file_that_is_written(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------- files of others -- */
+/* --------------------------------------------------------------------------- files of others -- */
 
 typedef struct other {
     const char *mode;
@@ -174,8 +174,8 @@ static void assert_other(const other *o)
     lf_error err;
     lf_assert_ok(lf_print_file_open(path, NULL, &file, &err), &err);
     const lf_print_tags *tags = lf_print_file_tags(file);
-    assert_int_equal(tags->big, strchr(o->mode, '8') != NULL);
-    assert_int_equal(tags->big_endian, strchr(o->mode, 'b') != NULL);
+    assert_int_equal(tags->big, strchr(o->mode, '8') ? 1 : 0);
+    assert_int_equal(tags->big_endian, strchr(o->mode, 'b') ? 1 : 0);
     assert_true(tags->dpi[0] == (o->unit == 3 ? 508.0 : o->unit == 2 ? 200.0 : 0.0));
     assert_true(tags->dpi[1] == (o->unit == 3 ? 254.0 : o->unit == 2 ? 100.0 : 0.0));
     if (o->unreadable) {
