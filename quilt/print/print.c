@@ -444,7 +444,9 @@ static lf_status write_raster(job *j, const lf_print_run *run, const char *descr
                           .description = description,
                           .draw = draw_row,
                           .hands = contexts};
-    while (page.n_hands < lf_print_hands(run) && status == LF_OK) {
+    /* hands with strips in turn would make the same rows of horizontal lenses again */
+    const int n_hands = j->compensate && j->print->horizontal ? 1 : lf_print_hands(run);
+    while (page.n_hands < n_hands && status == LF_OK) {
         status = hand_init(&hands[page.n_hands], j);
         contexts[page.n_hands] = &hands[page.n_hands];
         page.n_hands++;

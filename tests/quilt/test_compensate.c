@@ -493,6 +493,45 @@ static void strips_do_not_change_the_print(void **state)
     }
 }
 
+/* Threads make strips in turn. */
+static void threads_do_not_change_the_print(void **state)
+{
+    (void)state;
+    lf_pool *pool;
+    lf_assert_ok(lf_pool_create(3, &pool), NULL);
+    for (int horizontal = 0; horizontal < 2; horizontal++) {
+        const lf_print print = odd_compensated(horizontal);
+        char *folder = lf_test_folder();
+        lf_views32 card;
+        lf_print_left left[2];
+        char *bytes[2];
+        size_t sizes[2];
+        lf_error err;
+        lf_card_make(&print, lf_card_speckle, NULL, &card);
+        for (int i = 0; i < 2; i++) {
+            const lf_print_run run = {.pool = i ? pool : NULL, .out_left = &left[i]};
+            const char *path = lf_test_path(folder, i ? "a.tif" : "b.tif");
+            lf_outfile tiff, manifest;
+            lf_assert_ok(lf_outfile_open(&tiff, path, false, &err), &err);
+            lf_assert_ok(lf_outfile_open(&manifest, lf_test_path(folder, "c.json"), false, &err),
+                         &err);
+            lf_assert_ok(lf_print_write_strips(&print, &card, &run, 3, &tiff, &manifest, &err),
+                         &err);
+            lf_assert_ok(lf_outfile_commit(&tiff, false, &err), &err);
+            lf_outfile_abandon(&manifest);
+            lf_assert_ok(lf_file_read(path, NULL, UINT32_MAX, &bytes[i], &sizes[i], &err), &err);
+        }
+        assert_int_equal(sizes[0], sizes[1]);
+        assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+        assert_memory_equal(&left[0].own_share, &left[1].own_share, 7 * sizeof left[0].own_share);
+        lf_free(bytes[0]);
+        lf_free(bytes[1]);
+        lf_card_finish(&card);
+        lf_test_folder_remove(folder);
+    }
+    lf_pool_destroy(pool);
+}
+
 /* A value that depends on the lens and the place along it, for either orientation. */
 static float turning_value(const void *context, int view, int row, int column, int c)
 {
@@ -611,6 +650,7 @@ int main(void)
         cmocka_unit_test(a_printer_with_dot_gain_shows_the_picture),
         cmocka_unit_test(off_changes_no_byte),
         cmocka_unit_test(strips_do_not_change_the_print),
+        cmocka_unit_test(threads_do_not_change_the_print),
         cmocka_unit_test(horizontal_lenses_are_vertical_ones_turned),
         cmocka_unit_test(the_manifest_says_what_is_left),
         cmocka_unit_test(mistakes_are_refused),
