@@ -121,6 +121,7 @@ static void note_laid(const lf_output_request *request, const lf_output_source *
     lf_image_notes laid = {0};
     char line[512];
     lf_print_note_laid(print, views, &laid);
+    lf_print_note_sheet(print, views->n_views, &laid);
     lf_log_notes(&laid, name);
     for (size_t at = 0;
          source->notes && lf_image_notes_next(source->notes, &at, line, sizeof line);)
@@ -160,9 +161,15 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     run.relief = print.relief ? &files[2] : NULL;
     lf_print_left left = {0};
     run.out_left = &left;
+    double ink = 0;
+    run.out_ink = &ink;
     const lf_status status = print.frame_ppi > 0
                                  ? lf_frame_set_write(&print, &views, &run, files, err)
                                  : lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    if (status == LF_OK && ink > 0)
+        lf_log(LF_LOG_INFO,
+               "%s: the densest colour has %.0f %% ink; compare it with the shop's limit",
+               request->path, ink);
     if (status == LF_OK)
         log_left(request, &left);
     return status;
@@ -181,8 +188,7 @@ const lf_output_kind lf_output_print = {.name = "print",
                                         .file_name = output_print_file,
                                         .write = write_files};
 
-/* ------------------------------------------------------------------------------------- frames --
- */
+/* ------------------------------------------------------------------------------------ frames -- */
 
 static char *frame_file(const char *folder, int i)
 {

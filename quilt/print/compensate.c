@@ -114,6 +114,9 @@ lf_status lf_compensate_check(const lf_print *print, lf_error *err)
     if (print->frame_ppi > 0.0)
         return lf_error_set(err, LF_E_ARG, "print",
                             "a frame set is not interlaced; leave --compensate out");
+    if (print->sheet.columns > 1 || print->sheet.rows > 1)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "compensation takes one print; leave --copies or --compensate out");
     if (print->optics.slant != 0.0 || print->optics.grid != LF_LENS_LINEAR ||
         lf_print_is_exact(print))
         return lf_error_set(err, LF_E_ARG, "print",
@@ -177,7 +180,9 @@ static lf_status make_matrix(const lf_compensate *c, const placed_spot *placed, 
 {
     const lf_print *print = c->print;
     const double step = pixels_per_stripe(print);
-    const double first = 0.5 * c->n_pixels + print->phase_mm * lf_print_dpi_across(print) / 25.4 +
+    const double shift_mm = print->horizontal ? c->shape->shift_down_mm : c->shape->shift_right_mm;
+    const double phase_px = (print->phase_mm + shift_mm) * lf_print_dpi_across(print) / 25.4;
+    const double first = 0.5 * c->n_pixels + phase_px +
                          (c->shape->first_lens - 0.5) * print->n_views * step + placed->beside_px;
     for (int p = 0; p < 2 * c->n_stripes; p++)
         middle[p] = first + 0.5 * p * step;

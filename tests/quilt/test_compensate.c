@@ -632,6 +632,8 @@ static void mistakes_are_refused(void **state)
     p.blur.crosstalk[0] = (double)NAN, assert_refused(&p, "crosstalk");
     p.blur.crosstalk[0] = 0.1, p.blur.crosstalk[1] = 0.7;
     lf_assert_ok(lf_print_check(&p, NULL, &err), &err);
+    p = sound, p.sheet.columns = 2, p.sheet.rows = 1, assert_refused(&p, "one print");
+    p = sound, p.frame_ppi = 300, assert_refused(&p, "frame set");
     /* off: nothing of it is asked */
     p = sound, p.compensation.on = false, p.blur.n_crosstalk = 9;
     lf_assert_ok(lf_print_check(&p, NULL, &err), &err);
