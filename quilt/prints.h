@@ -107,6 +107,24 @@ static inline double lf_optics_index(const lf_optics *optics)
     return optics->index > 0.0 ? optics->index : LF_USUAL_INDEX;
 }
 
+/* What sheet and printer do wrong, as far as lf_print_blur knows it, is taken back before printing.
+ * Zeroed: off. */
+typedef struct lf_compensation {
+    bool on;         /* needs one known value of lf_print_blur, straight lenses, the uniform map */
+    double headroom; /* linear light is pressed into headroom..1 - headroom first: 0..0.4 */
+} lf_compensation;
+
+/* What eyes at the views see otherwise than wanted, by the model of lf_print_blur: ghosts, as
+ * fractions of white. */
+typedef struct lf_print_left {
+    bool compensated;           /* false: nothing else is set */
+    double own_share;           /* of an eye's light that its own view gives uncompensated, … */
+    double own_share_worst;     /* … mean of all stripes and least of one */
+    double ghost_before, ghost; /* mean, without compensation and with it */
+    double worst_before, worst; /* largest */
+    double clamped; /* fraction of the pixels' channels that would leave the gamut, 0..1 */
+} lf_print_left;
+
 /* Zeroed members after the line are a valid default. */
 typedef struct lf_print {
     double lpi;                 /* measured visual pitch, lenses per inch: 5..600 */
@@ -146,6 +164,7 @@ typedef struct lf_print {
     double view_aspect;
     lf_photo photo; /* its rotate, aspect and frame are not read */
     lf_optics optics;
+    lf_compensation compensation;
     double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches,
                              * if known; above 1 gives a warning */
     /* lf_profile_apply's account of profiles, for the manifest; NULL = none */
@@ -254,6 +273,7 @@ typedef struct lf_print_run {
     const lf_cancel *cancel;     /* checked once per strip; may be NULL */
     void (*progress)(void *context, double fraction); /* rising, 0..1; may be NULL */
     void *context;
+    lf_print_left *out_left; /* set by lf_print_write; may be NULL */
 } lf_print_run;
 
 /* Notes how much lf_print_write cuts from these views, how wide their borders are, a scale along

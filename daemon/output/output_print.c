@@ -130,6 +130,17 @@ static void note_laid(const lf_output_request *request, const lf_output_source *
         lf_image_note(out, "%s: %s", name, line);
 }
 
+/* What compensation took back, and what it left. */
+static void log_left(const lf_output_request *request, const lf_print_left *left)
+{
+    if (left->compensated)
+        lf_log(LF_LOG_INFO,
+               "%s: compensated: ghosts of %.2g %% of white are %.2g %% (worst %.2g %%, was "
+               "%.2g %%); %.2g %% of the dots are at the end of the gamut",
+               request->path, 100.0 * left->ghost_before, 100.0 * left->ghost, 100.0 * left->worst,
+               100.0 * left->worst_before, 100.0 * left->clamped);
+}
+
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err)
 {
@@ -148,6 +159,8 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     note_laid(request, source, &laid, &views, &notes);
     run.notes = &notes;
     run.relief = print.relief ? &files[2] : NULL;
+    lf_print_left left = {0};
+    run.out_left = &left;
     double ink = 0;
     run.out_ink = &ink;
     const lf_status status = print.frame_ppi > 0
@@ -157,6 +170,8 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
         lf_log(LF_LOG_INFO,
                "%s: the densest colour has %.0f %% ink; compare it with the shop's limit",
                request->path, ink);
+    if (status == LF_OK)
+        log_left(request, &left);
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/print/compensate.h"
 #include "quilt/print/flip.h"
 #include "quilt/print/marks.h"
 #include "quilt/print/relief.h"
@@ -130,7 +131,9 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         parts = check_sheet(print, err);
     if (parts == LF_OK && print->relief)
         parts = lf_relief_of(print, &relief, err);
-    return parts != LF_OK ? parts : check_views(print, out_warning, err);
+    if (parts == LF_OK)
+        parts = check_views(print, out_warning, err);
+    return parts != LF_OK ? parts : lf_compensate_check(print, err);
 }
 
 /* A micro sheet shows all views that there are, if a lens has a pixel for each; otherwise as many
@@ -305,6 +308,7 @@ typedef struct job {
     lf_print_shape shape; /* of the copy that is drawn, with its shift, for … */
     lf_slanted *slanted;  /* … these, instead of samples */
     lf_micro *micro;
+    lf_compensate *compensate; /* NULL: off */
 } job;
 
 /* What all jobs share. */
@@ -314,10 +318,12 @@ typedef struct page {
     lf_sheet sheet;
     lf_print_source source;
     lf_print_colour *colour;
-    bool is_alone;         /* one copy fills the page */
-    lf_stripe_mix *mix;    /* [n_mixes][n_across]: copies with one place on their pixels share one;
-                              NULL: not separable */
-    int n_mixes, n_across; /* pixels of a copy across the lenses */
+    bool is_alone;      /* one copy fills the page */
+    lf_stripe_mix *mix; /* [n_mixes][n_across]: copies with one place on their pixels share one;
+                           NULL: not separable */
+    lf_compensate *compensate; /* NULL: off; otherwise there is one copy */
+    lf_print_shape only;       /* of this copy, with its shift */
+    int n_mixes, n_across;     /* pixels of a copy across the lenses */
     job jobs[LF_PRINT_MAX_HANDS];
     int n_jobs;
 } page;
@@ -373,6 +379,8 @@ static lf_status job_init(job *j, const page *p)
         return lf_micro_create(p->print, &j->shape, &j->source, &j->micro);
     if (!p->mix)
         return lf_slanted_create(p->print, &j->shape, &j->source, &j->slanted);
+    if (p->compensate && lf_compensate_share(p->compensate, &j->source, &j->compensate) != LF_OK)
+        return LF_E_NOMEM;
     return make_samples(j, p);
 }
 
@@ -380,6 +388,7 @@ static void job_finish(job *j)
 {
     lf_free(j->source.line);
     lf_marks_finish(&j->marks);
+    lf_compensate_destroy(j->compensate);
     lf_slanted_destroy(j->slanted);
     lf_micro_destroy(j->micro);
     lf_free(j->samples);
@@ -454,7 +463,9 @@ static void draw_copies(job *j, int first, int y, float *row)
     const size_t size = (size_t)p->shape.raster_width * 3;
     const lf_copy *copies = p->sheet.copies;
     float *start = row + (size_t)copies[first].left * 3;
-    if (p->print->horizontal)
+    if (p->print->horizontal && j->compensate)
+        lf_compensate_down(j->compensate, y, start);
+    else if (p->print->horizontal)
         horizontal_row(j, mix_of(p, first) + y, start);
     else
         gather_row(j, y);
@@ -464,6 +475,8 @@ static void draw_copies(job *j, int first, int y, float *row)
             vertical_row(j, mix_of(p, i), out);
         else if (i > first)
             memcpy(out, start, size * sizeof *out);
+        if (!p->print->horizontal && j->compensate)
+            lf_compensate_across(j->compensate, y, j->samples, out);
     }
 }
 
@@ -513,6 +526,13 @@ static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone
     status = lf_print_source_init(&p->source, p->print, &p->shape, views, tone);
     if (status == LF_OK)
         status = make_mixes(p);
+    p->only = p->shape;
+    p->only.shift_right_mm = p->sheet.copies[0].shift_right_mm;
+    p->only.shift_down_mm = p->sheet.copies[0].shift_down_mm;
+    if (status == LF_OK && p->mix)
+        status = lf_compensate_create(p->print, &p->only, p->mix, &p->compensate);
+    if (p->compensate && p->print->horizontal)
+        n_jobs = 1; /* strips in turn would make the same rows again */
     while (p->n_jobs < n_jobs && status == LF_OK)
         status = job_init(&p->jobs[p->n_jobs++], p);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
@@ -524,6 +544,7 @@ static void page_finish(page *p)
         job_finish(&p->jobs[i]);
     lf_print_source_finish(&p->source);
     lf_print_colour_destroy(p->colour);
+    lf_compensate_destroy(p->compensate);
     lf_free(p->mix);
     lf_sheet_finish(&p->sheet);
 }
@@ -603,6 +624,10 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
         status = write_raster(&p, &measured, description, rows_per_strip, tiff, err);
     if (run->out_ink)
         *run->out_ink = facts.ink;
+    if (status == LF_OK && p.compensate)
+        facts.left = lf_compensate_left(p.compensate);
+    if (run->out_left)
+        *run->out_left = facts.left;
     facts.colour = p.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);

@@ -239,7 +239,8 @@ typedef struct lf_print_facts {
     const lf_print_colour *colour;
     const lf_print_run *run;
     const char *warning; /* may be NULL */
-    json_t *chart;       /* description of a chart, ownership taken; NULL for a picture */
+    lf_print_left left;
+    json_t *chart; /* description of a chart, ownership taken; NULL for a picture */
     const struct lf_relief *relief; /* NULL: none */
     double ink;                     /* of CMYK: lf_print_run.out_ink */
 } lf_print_facts;

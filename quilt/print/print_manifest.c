@@ -356,6 +356,16 @@ static json_t *warning_part(const lf_print_facts *facts)
     return warnings;
 }
 
+static json_t *compensation_part(const lf_print_left *left)
+{
+    return left->compensated
+               ? json_pack("{s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f}, s:f}", "own_share_before",
+                           "mean", left->own_share, "worst", left->own_share_worst, "ghost_before",
+                           "mean", left->ghost_before, "worst", left->worst_before, "ghost_left",
+                           "mean", left->ghost, "worst", left->worst, "clamped", left->clamped)
+               : NULL;
+}
+
 static json_t *relief_part(const lf_print_facts *facts)
 {
     const lf_relief *relief = facts->relief;
@@ -375,10 +385,11 @@ static json_t *relief_part(const lf_print_facts *facts)
 /* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
-    return json_pack("{s:o, s:o, s:o, s:o*, s:o*}", "lens",
+    return json_pack("{s:o, s:o, s:o, s:o*, s:o*, s:o*}", "lens",
                      lens_part(facts->print, facts->shape, options), "stripes",
                      stripe_part(facts->print, options), "source", source_part(facts), "relief",
-                     relief_part(facts), "sheet", sheet_part(facts));
+                     relief_part(facts), "sheet", sheet_part(facts), "compensation",
+                     compensation_part(&facts->left));
 }
 
 /* Adds the account of profiles; its warnings are among all. */

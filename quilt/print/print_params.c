@@ -22,6 +22,7 @@ static const char *const grids[] = {[LF_LENS_LINEAR] = "linear",
                                     NULL};
 static const char *const maps[] = {
     [LF_MAP_AUTO] = "auto", [LF_MAP_UNIFORM] = "uniform", [LF_MAP_EXACT] = "exact", NULL};
+static const char *const off_on[] = {"off", "on", NULL};
 static const char *const bits[] = {"8", "16", NULL};
 
 /* clang-format off */
@@ -136,6 +137,12 @@ const lf_param lf_print_params[] = {
      .low = 0, .high = 0.45, .help = "dot gain of the printer at 50 %"},
     {.name = "ink_spread", .option = "ink-spread", .argument = "MM", PLACE(blur.ink_mm),
      .unit = "mm", .low = 0, .high = 1, .help = "standard deviation of the spread of ink"},
+    {.name = "compensate", .option = "compensate", .argument = "off|on", PLACE(compensation.on),
+     .type = LF_PARAM_SWITCH, .words = off_on,
+     .help = "take back crosstalk and dot gain, as far as ink and paper allow"},
+    {.name = "headroom", .option = "headroom", .argument = "FRACTION",
+     PLACE(compensation.headroom), .low = 0, .high = 0.4,
+     .help = "compensation: linear light taken from black and from white for it"},
     {.option = "frame-set", .argument = "PPI", PLACE(frame_ppi), .unit = "pixels per inch",
      .low = 50, .high = 600,
      .help = "with --print: write the views as TIFF files to the folder OUT, not interlaced"},

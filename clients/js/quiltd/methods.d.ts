@@ -1457,6 +1457,10 @@ export interface Calls {
       "dot_gain"?: number;
       /** standard deviation of the spread of ink [mm] */
       "ink_spread"?: number;
+      /** take back crosstalk and dot gain, as far as ink and paper allow */
+      "compensate"?: "off" | "on";
+      /** compensation: linear light taken from black and from white for it */
+      "headroom"?: number;
       /** panel: how its pixels are taken from the views; nearest copies 8-bit values unchanged */
       "filter"?: "nearest" | "linear";
       /** panel: reverse the order of the views under a lens; auto: as the calibration says */
