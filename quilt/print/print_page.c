@@ -35,7 +35,8 @@ static lf_status write_strips(const lf_print_page *page, const lf_print_colour *
     float *row = lf_calloc((size_t)page->width, 3 * sizeof *row);
     unsigned char *data = lf_calloc((size_t)strip_rows, row_bytes);
     lf_status status = LF_OK;
-    if (!row || !data)
+    if (!row || !data ||
+        (run->witness && lf_print_witness_begin(run->witness, height, row_bytes) != LF_OK))
         status = lf_error_set(err, LF_E_NOMEM, "print", "out of memory");
     for (int y = 0, strip = 0; y < height && status == LF_OK; y += strip_rows, strip++) {
         const int rows = height - y < strip_rows ? height - y : strip_rows;
@@ -44,6 +45,8 @@ static lf_status write_strips(const lf_print_page *page, const lf_print_colour *
             break;
         }
         make_strip(page, colour, y, rows, row, data, row_bytes);
+        if (run->witness)
+            lf_print_witness_see(run->witness, y, rows, data);
         status = lf_print_tiff_strip(tiff, strip, data, (size_t)rows * row_bytes, err);
         if (status == LF_OK && run->progress)
             run->progress(run->context, (double)(y + rows) / height);
