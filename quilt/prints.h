@@ -27,6 +27,35 @@
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
 
+/* Lens sheets. Their lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses, and
+ * -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans to
+ * the right. Where the text above says x or y of a position across the lenses, read u. */
+typedef enum lf_lens_grid { LF_LENS_LINEAR, LF_LENS_SQUARE, LF_LENS_HEXAGONAL } lf_lens_grid;
+typedef enum lf_lens_map { LF_MAP_AUTO, LF_MAP_UNIFORM, LF_MAP_EXACT } lf_lens_map;
+
+/* Zeroed: a straight linear sheet whose optics are unknown. */
+typedef struct lf_optics {
+    double slant;        /* degrees, of the axis of the lenses, clockwise: -60..60 */
+    lf_lens_grid grid;   /* square and hexagonal: one lens per point, views in both axes */
+    lf_lens_map map;     /* auto: exact if thickness and distance are known */
+    double thickness_mm; /* from the top of a lens to the print; 0: unknown */
+    double index;        /* refractive index; 0: unknown, LF_USUAL_INDEX */
+    double radius_mm;    /* of the lens surface; 0: unknown */
+    double angle;        /* viewing angle in degrees as the maker says; 0: unknown */
+    double distance_mm;  /* viewing distance for which lpi was measured; 0: unknown */
+    /* Micro sheets (square and hexagonal) only: rows of views, 0 = as many as columns; and the
+     * offset down of the lens at the middle, -100..100 */
+    int view_rows;
+    double phase_down_mm;
+} lf_optics;
+
+#define LF_USUAL_INDEX 1.56
+
+static inline double lf_optics_index(const lf_optics *optics)
+{
+    return optics->index > 0.0 ? optics->index : LF_USUAL_INDEX;
+}
+
 /* Zeroed members after the line are a valid default. */
 typedef struct lf_print {
     double lpi;                 /* measured visual pitch, lenses per inch: 5..600 */
@@ -60,10 +89,18 @@ typedef struct lf_print {
      * They are placed on the raster as photo says, with white borders. A view without a border
      * inside the trim size covers the whole raster. 0 = stretched over the raster. */
     double view_aspect;
-    lf_photo photo;         /* its rotate, aspect and frame are not read */
+    lf_photo photo; /* its rotate, aspect and frame are not read */
+    lf_optics optics;
     double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches,
                              * if known; above 1 gives a warning */
 } lf_print;
+
+/* True if the pitch varies over the sheet by exact refraction (lf_lens_map). */
+static inline bool lf_print_is_exact(const lf_print *print)
+{
+    const lf_optics *o = &print->optics;
+    return o->map != LF_MAP_UNIFORM && o->thickness_mm > 0.0 && o->distance_mm > 0.0;
+}
 
 /* The user's options of a print: names, ranges and defaults (base/param.h). */
 extern const lf_param lf_print_params[];

@@ -11,6 +11,7 @@
 
 #include "base/alloc.h"
 #include "quilt/kernel/kernel_place.h"
+#include "quilt/lens.h"
 #include "quilt/quilt.h"
 
 #define MAX_VIEWS 65535
@@ -23,18 +24,6 @@
 #define MAX_SAMPLES_PER_SUBPIXEL 16
 /* Aspects closer than this are equal: file names round them. */
 #define SAME_ASPECT 1e-3
-
-/* The numbers that the formulas of lf_view_of_subpixel (quilt.h) derive from a calibration. */
-typedef struct lens {
-    double width, height; /* panel pixels */
-    double pitch;         /* lens periods across the panel's width */
-    double tilt, center;
-    double subpixel; /* width of a subpixel in panel widths, signed */
-    bool from_right; /* z = 1 - fract */
-    int red;         /* subpixel of red: 0, or 2 if the panel is BGR; blue has the other */
-    int pattern, n_cells;
-    const float (*cells)[3][2]; /* borrowed; NULL = stripes */
-} lens;
 
 /* Position of a panel column or row in the views: the nearest sample, and the two samples and
  * weight of the linear filter. */
@@ -55,7 +44,7 @@ typedef struct strip {
 
 struct lf_interlacer {
     lf_calibration calibration;
-    lens lens;
+    lf_lens lens;
     int n_views, view_width, view_height;
     lf_filter filter;
     sample *columns;       /* [screen width] */
@@ -74,43 +63,11 @@ struct lf_interlacer {
     const lf_quilt_kernels *kernels;
 };
 
-static bool is_first_version(const lf_calibration *c)
-{
-    return strcmp(c->config_version, "1.0") == 0;
-}
-
-/* The vendor's software reads invView only for the first generation. */
-static bool counts_from_right(const lf_calibration *c, lf_invert invert)
-{
-    if (invert != LF_INVERT_AUTO)
-        return invert == LF_INVERT_YES;
-    return !is_first_version(c) || c->inv_view;
-}
-
-static lens lens_of(const lf_calibration *c, lf_invert invert)
-{
-    double width = c->screen_width_px, height = c->screen_height_px;
-    double mirrored = c->flip_image_x ? -1 : 1;
-    return (lens){
-        .width = width,
-        .height = height,
-        .pitch = c->pitch * width / c->dpi * cos(atan(1 / c->slope)),
-        .tilt = mirrored * height / (width * c->slope),
-        .center = c->center,
-        .subpixel = mirrored / (3 * width),
-        .from_right = counts_from_right(c, invert),
-        .red = c->flip_subp ? 2 : 0,
-        .pattern = c->cell_pattern_mode,
-        .n_cells = c->n_cells,
-        .cells = c->n_cells ? c->cells : NULL,
-    };
-}
-
 /* CellPatternMode, as in weave.py of suchanek/quiltwright; y from the bottom. */
-static int cell_of(const lens *l, int x, int y)
+static int cell_of(const lf_calibration *c, int x, int y)
 {
     int cell = 0;
-    switch (l->pattern) {
+    switch (c->cell_pattern_mode) {
     case 1:
         cell = (x + y) & 1;
         break;
@@ -126,32 +83,36 @@ static int cell_of(const lens *l, int x, int y)
     default:
         break;
     }
-    return l->n_cells ? cell % l->n_cells : 0;
+    return c->n_cells ? cell % c->n_cells : 0;
 }
 
-static double position_x(const lens *l, int cell, int x, int c)
+static double position_x(const lf_lens *lens, const lf_calibration *panel, int cell, int x, int c)
 {
-    double u = (x + 0.5) / l->width;
-    if (l->cells)
-        return u + (double)l->cells[cell][c][0] / l->width;
-    return u + (c == 1 ? 1 : c == 0 ? l->red : 2 - l->red) * l->subpixel;
+    const double u = (x + 0.5) / panel->screen_width_px;
+    if (panel->n_cells)
+        return lf_lens_across(lens, u + (double)panel->cells[cell][c][0] / panel->screen_width_px,
+                              0);
+    return lf_lens_across(lens, u, c);
 }
 
-static double position_y(const lens *l, int cell, int y, int c)
+static double position_y(const lf_lens *lens, const lf_calibration *panel, int cell, int y, int c)
 {
-    double v = (y + 0.5) / l->height;
-    if (l->cells)
-        v += (double)l->cells[cell][c][1] / l->height;
-    return v * l->tilt;
+    double v = (y + 0.5) / panel->screen_height_px;
+    if (panel->n_cells)
+        v += (double)panel->cells[cell][c][1] / panel->screen_height_px;
+    return lf_lens_along(lens, v);
 }
 
 int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_invert invert, int x,
                         int y, int c, double *out_z)
 {
-    lens l = lens_of(calibration, invert);
-    int cell = cell_of(&l, x, y);
-    double phase = (position_x(&l, cell, x, c) + position_y(&l, cell, y, c)) * l.pitch - l.center;
-    double z = lf_place_of(phase, l.from_right) * n_views;
+    const lf_lens lens = lf_lens_of_panel(calibration, invert);
+    const int cell = cell_of(calibration, x, y);
+    const double phase =
+        (position_x(&lens, calibration, cell, x, c) + position_y(&lens, calibration, cell, y, c)) *
+            lens.scale -
+        lens.offset;
+    double z = lf_place_of(phase, lens.from_right) * n_views;
     if (out_z)
         *out_z = z;
     return (int)z;
@@ -182,7 +143,7 @@ static void map_axis(sample *samples, int n, int size, double share)
 
 static void map_axes(lf_interlacer *it, double aspect)
 {
-    double panel = it->lens.width / it->lens.height;
+    double panel = (double)it->calibration.screen_width_px / it->calibration.screen_height_px;
     double ratio = aspect > 0 ? aspect / panel : 1;
     if (fabs(ratio - 1) < SAME_ASPECT)
         ratio = 1;
@@ -205,21 +166,23 @@ static void map_across(lf_interlacer *it)
     for (int y = 0; y < CELL_ROWS; y++)
         for (int x = 0; x < width; x++)
             for (int c = 0; c < 3; c++)
-                *to++ = position_x(&it->lens, cell_of(&it->lens, x, y), x, c);
+                *to++ =
+                    position_x(&it->lens, &it->calibration, cell_of(&it->calibration, x, y), x, c);
 }
 
 /* Parameters of the formulas for one panel row. */
 static lf_places places_of_row(const lf_interlacer *it, int row)
 {
     int y = it->calibration.screen_height_px - 1 - row;
-    lf_places p = {.pitch = it->lens.pitch,
-                   .center = it->lens.center,
+    lf_places p = {.pitch = it->lens.scale,
+                   .center = it->lens.offset,
                    .from_right = it->lens.from_right,
                    .n_views = it->n_views};
     p.across = it->across + (size_t)(y % CELL_ROWS) * (size_t)it->calibration.screen_width_px * 3;
     for (int odd = 0; odd < 2; odd++)
         for (int c = 0; c < 3; c++)
-            p.along[odd * 3 + c] = position_y(&it->lens, cell_of(&it->lens, odd, y), y, c);
+            p.along[odd * 3 + c] =
+                position_y(&it->lens, &it->calibration, cell_of(&it->calibration, odd, y), y, c);
     return p;
 }
 
@@ -318,7 +281,7 @@ lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, i
     if (!it)
         return lf_error_set(err, LF_E_NOMEM, "panel", "no memory");
     it->calibration = *calibration;
-    it->lens = lens_of(&it->calibration, invert);
+    it->lens = lf_lens_of_panel(&it->calibration, invert);
     it->n_views = n_views;
     it->view_width = view_width;
     it->view_height = view_height;

@@ -37,6 +37,27 @@ static lf_status check_views(const lf_print *print, const char **out_warning, lf
     return LF_OK;
 }
 
+static lf_status check_optics(const lf_print *print, lf_error *err)
+{
+    const lf_optics *o = &print->optics;
+    const bool is_known = o->thickness_mm > 0.0 && o->distance_mm > 0.0;
+    if (o->map == LF_MAP_EXACT && !is_known)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "an exact map needs the sheet's thickness and viewing distance; give "
+                            "both, or use the uniform map");
+    if (o->grid != LF_LENS_LINEAR)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "micro lens sheets cannot be printed; use a linear lens grid");
+    if (o->slant != 0.0 || lf_print_is_exact(print))
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "slanted lenses and exact maps cannot be printed; use a slant of 0 and "
+                            "the uniform map");
+    if (o->view_rows > 0 || o->phase_down_mm != 0.0)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "view rows and a phase down are for micro lens sheets");
+    return LF_OK;
+}
+
 lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_error *err)
 {
     const lf_status status = lf_param_check(lf_print_params, print, "print", err);
@@ -49,7 +70,8 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
-    return check_views(print, out_warning, err);
+    const lf_status optics = check_optics(print, err);
+    return optics != LF_OK ? optics : check_views(print, out_warning, err);
 }
 
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,

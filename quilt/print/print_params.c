@@ -14,6 +14,12 @@ static const char *const compress[] = {[LF_COMPRESS_NONE] = "none",
                                        [LF_COMPRESS_DEFLATE] = "deflate",
                                        NULL};
 static const char *const orientations[] = {"vertical", "horizontal", NULL};
+static const char *const grids[] = {[LF_LENS_LINEAR] = "linear",
+                                    [LF_LENS_SQUARE] = "square",
+                                    [LF_LENS_HEXAGONAL] = "hexagonal",
+                                    NULL};
+static const char *const maps[] = {
+    [LF_MAP_AUTO] = "auto", [LF_MAP_UNIFORM] = "uniform", [LF_MAP_EXACT] = "exact", NULL};
 static const char *const bits[] = {"8", "16", NULL};
 
 /* clang-format off */
@@ -49,6 +55,34 @@ const lf_param lf_print_params[] = {
      .help = "move the lens in the middle of the print to the right"},
     {.name = "orientation", .option = "orientation", .argument = "NAME", PLACE(horizontal),
      .type = LF_PARAM_SWITCH, .words = orientations, .help = "orientation of the lenses"},
+    {.name = "slant", .option = "slant", .argument = "DEG", PLACE(optics.slant),
+     .unit = "degrees", .low = -60, .high = 60,
+     .help = "angle of the lenses, clockwise: the top of a vertical lens leans right"},
+    {.name = "lens_grid", .option = "lens-grid", .argument = "NAME", PLACE(optics.grid),
+     .type = LF_PARAM_WORD, .words = grids,
+     .help = "rows of lenses, or a micro lens sheet with views in both axes"},
+    {.name = "view_rows", .option = "view-rows", .argument = "N", PLACE(optics.view_rows),
+     .type = LF_PARAM_WHOLE, .low = 1, .high = 192,
+     .help = "micro lens sheets: rows of views (as many as columns)"},
+    {.name = "phase_down", .option = "phase-down", .argument = "MM", PLACE(optics.phase_down_mm),
+     .unit = "mm", .low = -100, .high = 100,
+     .help = "micro lens sheets: move the lens in the middle down"},
+    {.name = "map", .option = "map", .argument = "NAME", PLACE(optics.map),
+     .type = LF_PARAM_WORD, .words = maps,
+     .help = "pitch over the sheet; auto: exact if thickness and distance are given"},
+    {.name = "thickness", .option = "thickness", .argument = "MM", PLACE(optics.thickness_mm),
+     .unit = "mm", .low = 0.01, .high = 50,
+     .help = "thickness of the lens sheet (unknown)"},
+    {.name = "index", .option = "index", .argument = "N", PLACE(optics.index), .low = 1.1,
+     .high = 3, .help = "refractive index of the lens sheet (1.56)"},
+    {.name = "radius", .option = "radius", .argument = "MM", PLACE(optics.radius_mm),
+     .unit = "mm", .low = 0.001, .high = 100, .help = "radius of the lens surface (unknown)"},
+    {.name = "viewing_angle", .option = "viewing-angle", .argument = "DEG", PLACE(optics.angle),
+     .unit = "degrees", .low = 1, .high = 170,
+     .help = "viewing angle of the lens sheet, as its maker says (unknown)"},
+    {.name = "distance", .option = "distance", .argument = "MM", PLACE(optics.distance_mm),
+     .unit = "mm", .low = 20, .high = 1e6,
+     .help = "viewing distance for which LPI was measured (unknown)"},
     {.name = "bleed", .option = "bleed", .argument = "MM", PLACE(bleed_mm),
      .unit = "mm", .low = 0, .high = 100, .help = "rendered margin on every side"},
     {.name = "icc", .option = "icc", .argument = "FILE", PLACE(icc_path),

@@ -1,0 +1,113 @@
+#include "quilt/lens.h"
+
+#include <math.h>
+#include <string.h>
+
+#define RADIANS (3.14159265358979323846 / 180.0)
+/* The solution is exact to a millionth of this, in units of place. */
+#define CLOSE 1e-7
+#define MAX_STEPS 20
+
+/* ------------------------------------------------------------------------------------- phase -- */
+
+/* An eye at the distance D sees a point r of the lens plane at r + t g(r) of the print, with
+ * g = sin / sqrt(n^2 - sin^2) and sin = r / sqrt(r^2 + D^2). Newton's steps from the paraxial
+ * solution. */
+double lf_lens_factor(const lf_lens *lens, double radius)
+{
+    const double t = lens->thickness, n2 = lens->index * lens->index,
+                 d2 = lens->distance * lens->distance;
+    if (!(t > 0.0) || !(radius > 0.0))
+        return t > 0.0 ? 1.0 / (1.0 + t / (lens->index * lens->distance)) : 1.0;
+    double r = radius / (1.0 + t / (lens->index * lens->distance));
+    for (int i = 0; i < MAX_STEPS; i++) {
+        const double root = 1.0 / sqrt((n2 - 1.0) * r * r + n2 * d2);
+        const double slope = 1.0 + t * n2 * d2 * root * root * root;
+        const double step = (r + t * r * root - radius) / slope;
+        r -= step;
+        if (fabs(step) < CLOSE)
+            break;
+    }
+    return r / radius;
+}
+
+double lf_lens_phase(const lf_lens *lens, double x, double y, int channel)
+{
+    if (lens->thickness > 0.0) {
+        const double factor = lf_lens_factor(lens, sqrt(x * x + y * y));
+        x *= factor;
+        y *= factor;
+    }
+    return (lf_lens_across(lens, x, channel) + lf_lens_along(lens, y)) * lens->scale - lens->offset;
+}
+
+/* -------------------------------------------------------------------------------------- panel --
+ */
+
+static bool is_first_version(const lf_calibration *c)
+{
+    return strcmp(c->config_version, "1.0") == 0;
+}
+
+/* The vendor's software reads invView only for the first generation. */
+static bool counts_from_right(const lf_calibration *c, lf_invert invert)
+{
+    if (invert != LF_INVERT_AUTO)
+        return invert == LF_INVERT_YES;
+    return !is_first_version(c) || c->inv_view;
+}
+
+lf_lens lf_lens_of_panel(const lf_calibration *c, lf_invert invert)
+{
+    const double width = c->screen_width_px, height = c->screen_height_px;
+    const double mirrored = c->flip_image_x ? -1 : 1, subpixel = mirrored / (3 * width);
+    const int red = c->flip_subp ? 2 : 0; /* blue has the other end */
+    lf_lens lens = {.right = 1,
+                    .down = mirrored * height / (width * c->slope),
+                    .scale = c->pitch * width / c->dpi * cos(atan(1 / c->slope)),
+                    .offset = c->center,
+                    .from_right = counts_from_right(c, invert)};
+    if (c->n_cells == 0) {
+        lens.channel[0] = red * subpixel;
+        lens.channel[1] = 1 * subpixel;
+        lens.channel[2] = (2 - red) * subpixel;
+    }
+    return lens;
+}
+
+/* -------------------------------------------------------------------------------------- print --
+ */
+
+static lf_lens lens_of(const lf_print *print, double right, double down, double phase_mm,
+                       double pitch_mm)
+{
+    const lf_optics *o = &print->optics;
+    lf_lens lens = {.right = right,
+                    .down = down,
+                    .scale = 1.0 / pitch_mm,
+                    .offset = phase_mm / pitch_mm,
+                    .from_right = !print->reverse};
+    if (!lf_print_is_exact(print))
+        return lens;
+    lens.thickness = o->thickness_mm;
+    lens.index = lf_optics_index(o);
+    lens.distance = o->distance_mm;
+    lens.scale *= 1.0 + lens.thickness / (lens.index * lens.distance);
+    return lens;
+}
+
+lf_lens lf_lens_of_print(const lf_print *print)
+{
+    const double slant = print->optics.slant * RADIANS, pitch_mm = 25.4 / print->lpi;
+    const double turned = print->horizontal ? -sin(slant) : cos(slant),
+                 other = print->horizontal ? cos(slant) : sin(slant);
+    return lens_of(print, turned, other, print->phase_mm, pitch_mm);
+}
+
+lf_lens lf_lens_of_print_rows(const lf_print *print)
+{
+    const double slant = print->optics.slant * RADIANS, pitch_mm = 25.4 / print->lpi;
+    const double row_mm =
+        print->optics.grid == LF_LENS_HEXAGONAL ? pitch_mm * sqrt(0.75) : pitch_mm;
+    return lens_of(print, -sin(slant), cos(slant), print->optics.phase_down_mm, row_mm);
+}
