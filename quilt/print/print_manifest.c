@@ -163,12 +163,15 @@ static json_t *source_part(const lf_print_facts *facts)
     for (int i = 0; shown && i < facts->print->n_views; i++)
         json_array_append_new(shown, json_integer(lf_print_source_view(facts->source, i)));
     return json_pack(
-        "{s:i, s:[i,i], s:b, s:s, s:o, s:o?, s:f, s:s}", "views", views->n_views, "view_px",
+        "{s:i, s:[i,i], s:b, s:s, s:o, s:o?, s:f, s:s, s:o}", "views", views->n_views, "view_px",
         views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
                                  : "one sample per lens, the printer's rows",
         "shown", shown, "photo", photo_part(facts->source), "exposure", facts->run->exposure,
-        "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb");
+        "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb",
+        "parallax_lenses",
+        facts->print->parallax_lenses > 0.0 ? json_real(facts->print->parallax_lenses)
+                                            : json_null());
 }
 
 static json_t *colour_part(const lf_print_facts *facts, const json_t *options)

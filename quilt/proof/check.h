@@ -35,20 +35,20 @@ typedef struct lf_check_point {
 struct json_t;
 /* Release with lf_print_report_finish, also when half built. */
 typedef struct lf_print_report {
-    char *file;               /* path of the TIFF */
-    char sha256[65];          /* of its bytes; "" if it cannot be read */
-    uint64_t bytes;           /* of it */
-    struct json_t *manifest;  /* NULL: there is none */
-    char profile_name[128];   /* of the embedded profile; "" without one */
+    char *file;              /* path of the TIFF */
+    char sha256[65];         /* of its bytes; "" if it cannot be read */
+    uint64_t bytes;          /* of it */
+    struct json_t *manifest; /* NULL: there is none */
+    char profile_name[128];  /* of the embedded profile; "" without one */
     lf_check_point points[LF_CHECK_POINTS];
 } lf_print_report;
 
 /* Zeroed is a valid default. */
 typedef struct lf_print_check_options {
-    const char *manifest;             /* NULL: beside the TIFF, sheet.json for sheet.tif */
-    const lf_roots *roots;            /* folders that may be read; NULL: anywhere */
-    const lf_print_witness *witness;  /* rows of the same print, kept while it was written */
-    int n_rows;                       /* rows that are measured; 0: 24, evenly spaced */
+    const char *manifest;            /* NULL: beside the TIFF, sheet.json for sheet.tif */
+    const lf_roots *roots;           /* folders that may be read; NULL: anywhere */
+    const lf_print_witness *witness; /* rows of the same print, kept while it was written */
+    int n_rows;                      /* rows that are measured; 0: 24, evenly spaced */
 } lf_print_check_options;
 
 /* Runs the checklist. Faults of the file are points of the report, also damage. Takes time for

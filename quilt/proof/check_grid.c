@@ -2,6 +2,7 @@
  * and the file holds more values than unknowns: all pixels must be mixtures of the stripes that the
  * manifest promises. How far the stripes must be moved to fit best is their error of position. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -13,8 +14,8 @@
 /* A stripe must be wider than this, in pixels, to leave values beyond the unknowns. */
 #define LEAST_STRIPE 1.03
 #define N_SCAN 32
-/* The step of the parabola through the minimum, in stripes. */
-#define STEP (1.0 / 32.0)
+/* The step of the parabola through the minimum, in pixels. */
+#define STEP 0.04
 /* Of a mean square misfit that should be 1. */
 #define MISFIT 1.6
 #define LEAST_FREEDOM 60.0
@@ -43,13 +44,13 @@ static lf_status begin(const lf_check *check, lines *l)
     const bool horizontal = print->horizontal;
     const double across_dpi = check->dpi[horizontal ? 1 : 0];
     memset(l, 0, sizeof *l);
-    l->stripes = (lf_check_stripes){
-        .n = horizontal ? check->shape.raster_height : check->shape.raster_width,
-        .n_views = print->n_views,
-        .pixel_mm = 25.4 / across_dpi,
-        .pitch_mm = 25.4 / print->lpi,
-        .phase_mm = print->phase_mm,
-        .nearest = print->stripes == LF_STRIPES_NEAREST};
+    l->stripes =
+        (lf_check_stripes){.n = horizontal ? check->shape.raster_height : check->shape.raster_width,
+                           .n_views = print->n_views,
+                           .pixel_mm = 25.4 / across_dpi,
+                           .pitch_mm = 25.4 / print->lpi,
+                           .phase_mm = print->phase_mm,
+                           .nearest = print->stripes == LF_STRIPES_NEAREST};
     const int along = horizontal ? check->shape.raster_width : check->shape.raster_height;
     const int wanted = check->options->n_rows > 0 ? check->options->n_rows : N_LINES;
     const int n = l->stripes.n;
@@ -72,7 +73,8 @@ static lf_status begin(const lf_check *check, lines *l)
     return l->value && l->sigma && l->scratch ? LF_OK : LF_E_NOMEM;
 }
 
-/* -------------------------------------------------------------------------------------- values -- */
+/* -------------------------------------------------------------------------------------- values --
+ */
 
 static double code_of(const void *raw, int bits, size_t i)
 {
@@ -89,8 +91,7 @@ static void put_pixel(const lf_check *check, lines *l, int line, int j, const vo
     float light[3];
     if (!l->stripes.nearest && !check->grid.exact)
         lf_print_file_light(check->file,
-                            (const unsigned char *)raw +
-                                pixel * (size_t)samples * (size_t)bits / 8,
+                            (const unsigned char *)raw + pixel * (size_t)samples * (size_t)bits / 8,
                             1, light);
     for (int c = 0; c < l->channels; c++) {
         const double code = code_of(raw, bits, pixel * (size_t)samples + (size_t)c);
@@ -118,8 +119,7 @@ static lf_status read_rows(lf_check *check, lines *l, void *raw, lf_error *err)
 {
     const lf_print_shape *shape = &check->shape;
     for (int line = 0; line < l->n_lines; line++) {
-        const int y =
-            shape->margin_down_px + middle_of(line, l->n_lines, shape->raster_height);
+        const int y = shape->margin_down_px + middle_of(line, l->n_lines, shape->raster_height);
         const lf_status status = lf_print_file_raw(check->file, y, raw, err);
         if (status != LF_OK)
             return status;
@@ -141,14 +141,15 @@ static lf_status read_columns(lf_check *check, lines *l, void *raw, lf_error *er
         if (status != LF_OK)
             return status;
         for (int line = 0; line < l->n_lines; line++)
-            put_pixel(check, l, line, j, raw,
-                      (size_t)(shape->margin_px +
-                               middle_of(line, l->n_lines, shape->raster_width)));
+            put_pixel(
+                check, l, line, j, raw,
+                (size_t)(shape->margin_px + middle_of(line, l->n_lines, shape->raster_width)));
     }
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------ fitting -- */
+/* ------------------------------------------------------------------------------------ fitting --
+ */
 
 static double misfit_of(const lines *l, int block, double moved_mm, double *out_freedom)
 {
@@ -167,7 +168,7 @@ static double misfit_of(const lines *l, int block, double moved_mm, double *out_
 
 /* Where the stripes of a block fit best. */
 typedef struct best_fit {
-    double moved_um, error_um;  /* one standard deviation; INFINITY: not measurable */
+    double moved_um, error_um;        /* one standard deviation; INFINITY: not measurable */
     double misfit, at_best, contrast; /* mean squares: as promised, moved, half a stripe away */
 } best_fit;
 
@@ -184,8 +185,7 @@ static double scan(const lines *l, int block, double stripe_mm, double *out_leas
 {
     double least = INFINITY, at = 0.0, freedom;
     for (int k = -N_SCAN / 2; k < N_SCAN / 2; k++) {
-        const double moved = k * stripe_mm / N_SCAN,
-                     misfit = misfit_of(l, block, moved, &freedom);
+        const double moved = k * stripe_mm / N_SCAN, misfit = misfit_of(l, block, moved, &freedom);
         if (misfit < least || (misfit == least && fabs(moved) < fabs(at))) {
             least = misfit;
             at = moved;
@@ -198,7 +198,8 @@ static double scan(const lines *l, int block, double stripe_mm, double *out_leas
 /* Fractional stripes: the misfit rises as a parabola around the best place. */
 static best_fit fit_fractional(const lines *l, int block, bool exact)
 {
-    const double stripe = l->stripes.pitch_mm / l->stripes.n_views, step = STEP * stripe;
+    const double stripe = l->stripes.pitch_mm / l->stripes.n_views;
+    const double step = STEP * l->stripes.pixel_mm;
     double freedom, bend, center = 0.0;
     double at = misfit_of(l, block, 0.0, &freedom);
     const double far = misfit_of(l, block, 0.5 * stripe, &freedom);
@@ -261,8 +262,8 @@ static void measure(lf_check *check, const lines *l)
     lf_check_grid *grid = &check->grid;
     int n = 0;
     for (int b = 0; b < l->n_blocks; b++) {
-        const best_fit fit = l->stripes.nearest ? fit_nearest(l, b)
-                                                : fit_fractional(l, b, grid->exact);
+        const best_fit fit =
+            l->stripes.nearest ? fit_nearest(l, b) : fit_fractional(l, b, grid->exact);
         grid->misfit = fmax(grid->misfit, fit.misfit);
         grid->at_best = fmax(grid->at_best, fit.at_best);
         grid->contrast = fmax(grid->contrast, fit.contrast);
@@ -281,7 +282,7 @@ lf_status lf_check_picture(lf_check *check, lf_error *err)
 {
     lines l;
     lf_check_grid *grid = &check->grid;
-    if (!check->fits || check->is_chart)
+    if (!check->fits || check->is_chart || !check->plain)
         return LF_OK;
     grid->exact = !check->print.icc_path && check->same_profile && check->tags->samples == 3;
     lf_status status = begin(check, &l);

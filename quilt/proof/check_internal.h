@@ -32,23 +32,23 @@ enum {
 
 /* Positions measured in the file against what the manifest says, in micrometres. */
 typedef struct lf_check_meter {
-    const char *what;  /* "picture", "strip above" */
-    double width_um;   /* over which pitch errors accumulate */
-    double pitch_um;   /* accumulated over the width */
-    double phase_um;   /* in the middle */
-    double jitter_um;  /* largest of a block, beyond its own error */
-    double error_um;   /* of pitch_um and phase_um, three standard deviations */
+    const char *what; /* "picture", "strip above" */
+    double width_um;  /* over which pitch errors accumulate */
+    double pitch_um;  /* accumulated over the width */
+    double phase_um;  /* in the middle */
+    double jitter_um; /* largest of a block, beyond its own error */
+    double error_um;  /* of pitch_um and phase_um, three standard deviations */
 } lf_check_meter;
 
 #define CHECK_MAX_METERS 4
 
 /* What the picture's stripes say. */
 typedef struct lf_check_grid {
-    bool can;         /* stripes share pixels, so that they can be checked */
-    bool exact;       /* the noise of the file is known, so that misfit is absolute */
-    double misfit;    /* mean square in standard deviations (codes, for nearest); worst block */
-    double at_best;   /* the same where the stripes fit best */
-    double contrast;  /* the same half a stripe away: how much the picture can tell */
+    bool can;        /* stripes share pixels, so that they can be checked */
+    bool exact;      /* the noise of the file is known, so that misfit is absolute */
+    double misfit;   /* mean square in standard deviations (codes, for nearest); worst block */
+    double at_best;  /* the same where the stripes fit best */
+    double contrast; /* the same half a stripe away: how much the picture can tell */
 } lf_check_grid;
 
 typedef struct lf_check {
@@ -57,15 +57,16 @@ typedef struct lf_check {
     lf_print_report *report;
     lf_print_file *file;       /* NULL: cannot be opened */
     const lf_print_tags *tags; /* NULL: the same */
-    char trouble[256];         /* why the file or its rows cannot be read; "": they can */
+    char trouble[512];         /* why the file or its rows cannot be read; "": they can */
     bool known;                /* print and shape are those of the manifest */
     bool is_chart;
     lf_print print;
     lf_print_shape shape;
-    int width, height;     /* raster that the manifest promises, with marks */
-    double dpi[2];         /* across the page and down it */
-    bool fits;             /* rows can be read and have the promised shape */
-    bool same_profile;     /* the embedded profile is the manifest's */
+    int width, height; /* raster that the manifest promises, with marks */
+    double dpi[2];     /* across the page and down it */
+    bool plain;        /* straight linear lenses of one pitch */
+    bool fits;         /* rows can be read and have the promised shape */
+    bool same_profile; /* the embedded profile is the manifest's */
     lf_check_grid grid;
     lf_check_meter meters[CHECK_MAX_METERS];
     int n_meters;
@@ -87,6 +88,8 @@ LF_NODISCARD lf_status lf_check_manifest_read(lf_check *check, lf_error *err);
 LF_NODISCARD lf_status lf_check_manifest(lf_check *check, lf_error *err);
 void lf_check_tags(lf_check *check);
 LF_NODISCARD lf_status lf_check_picture(lf_check *check, lf_error *err);
+/* Whether the bleed is filled; for prints without marks. */
+LF_NODISCARD lf_status lf_check_bleed(lf_check *check, lf_error *err);
 LF_NODISCARD lf_status lf_check_marks(lf_check *check, lf_error *err);
 LF_NODISCARD lf_status lf_check_writer(lf_check *check, lf_error *err);
 

@@ -3,6 +3,8 @@
  * quilt/print/marks.h, by arithmetic of its own. */
 #include <complex.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -15,7 +17,7 @@ enum { N_STRIP = 3, CROP = 3, TICK = 4, N_LOOKS = 5 };
 
 #define BLOCK_LENSES 20
 #define MAX_BLOCKS 32
-#define BLOCK_ERROR_UM 0.1 /* of one block: aliases of the strip's harmonics */
+#define BLOCK_ERROR_UM 0.1 /* of one block */
 #define LEAST_SWING 0.08   /* of the strip's grating; whole ink has 0.22 */
 #define MARK_PX 0.25       /* how exact marks must lie */
 
@@ -26,8 +28,8 @@ typedef struct end_strip {
 } end_strip;
 
 typedef struct ends {
-    int n, margin;               /* pixels across the lenses; of the margin beyond their ends */
-    double across_mm, along_mm;  /* size of a pixel */
+    int n, margin;              /* pixels across the lenses; of the margin beyond their ends */
+    double across_mm, along_mm; /* size of a pixel */
     end_strip side[2];
 } ends;
 
@@ -128,6 +130,54 @@ static double locked_um(const lf_check *check, const ends *e, const float *ink, 
     return -1e3 * carg(sum) * pitch / (2.0 * pi);
 }
 
+/* The share of a pixel that the strip's lines cover, a quarter of a pitch each. */
+static double covered(const lf_check *check, const ends *e, int j, double moved_mm)
+{
+    const double pitch = 25.4 / check->print.lpi, half = 0.5 * e->across_mm;
+    const double x = middle_mm(e, j) - check->print.phase_mm - moved_mm;
+    double sum = 0.0;
+    for (double lens = round(x / pitch) - 1.0; lens <= round(x / pitch) + 1.0; lens += 1.0)
+        sum += fmax(fmin(x + half, (lens + 0.125) * pitch) - fmax(x - half, (lens - 0.125) * pitch),
+                    0.0);
+    return sum / e->across_mm;
+}
+
+/* What remains of a block's ink beyond any multiple of the lines, and any grey, so moved. */
+static double remainder_of(const lf_check *check, const ends *e, const float *ink, int first,
+                           int end, double moved_mm)
+{
+    double s = end - first, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
+    for (int j = first; j < end; j++) {
+        const double x = covered(check, e, j, moved_mm), y = (double)ink[j];
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+        syy += y * y;
+    }
+    const double xx = sxx - sx * sx / s, xy = sxy - sx * sy / s, yy = syy - sy * sy / s;
+    return xx > 0.0 ? yy - xy * xy / xx : yy;
+}
+
+/* Aliases of the lines' harmonics pull the lock-in's answer by a micrometre; the best fit of the
+ * lines themselves, from there on, is exact. */
+static double fitted_um(const lf_check *check, const ends *e, const float *ink, int first, int end,
+                        double locked)
+{
+    double at = 1e-3 * locked, step = 0.05 * e->across_mm;
+    for (int round_no = 0; round_no < 4; round_no++) {
+        const double before = remainder_of(check, e, ink, first, end, at - step),
+                     here = remainder_of(check, e, ink, first, end, at),
+                     after = remainder_of(check, e, ink, first, end, at + step);
+        const double bend = before + after - 2.0 * here;
+        if (!(bend > 0.0))
+            break;
+        at += step * fmax(fmin(0.5 * (before - after) / bend, 1.0), -1.0);
+        step *= 0.5;
+    }
+    return 1e3 * at;
+}
+
 /* False: there is no strip. */
 static bool measure_strip(lf_check *check, const ends *e, int side)
 {
@@ -146,7 +196,9 @@ static bool measure_strip(lf_check *check, const ends *e, int side)
                   to = first + (int)((int64_t)(end - first) * (b + 1) / n);
         for (int look = 0; look < N_STRIP; look++) {
             double swing;
-            const double at = locked_um(check, e, e->side[side].ink[look], from, to, &swing);
+            const float *ink = e->side[side].ink[look];
+            const double at =
+                fitted_um(check, e, ink, from, to, locked_um(check, e, ink, from, to, &swing));
             least = fmin(least, swing);
             moved[count] = at + 1e3 * pitch * round((before - at) / (1e3 * pitch));
             before = moved[count];
@@ -229,7 +281,7 @@ static void judge(lf_check *check, const ends *e)
 lf_status lf_check_marks(lf_check *check, lf_error *err)
 {
     ends e;
-    if (!check->fits || check->is_chart || !check->print.marks)
+    if (!check->fits || check->is_chart || !check->print.marks || !check->plain)
         return LF_OK;
     lf_status status = begin(check, &e);
     float *row = status == LF_OK ? lf_calloc((size_t)check->width, 3 * sizeof *row) : NULL;
@@ -248,5 +300,57 @@ lf_status lf_check_marks(lf_check *check, lf_error *err)
     }
     lf_free(row);
     finish(&e);
+    return LF_OK;
+}
+
+/* ---------------------------------------------------------------------------------------- bleed --
+ */
+
+static bool is_paper(const float *light)
+{
+    return fminf(light[0], fminf(light[1], light[2])) > 0.99F;
+}
+
+/* Counts paper white in the bleed of a row, left and right, and in as wide a band inside the trim
+ * edges. */
+static void count_row(const lf_check *check, const float *row, int bleed, int counts[2])
+{
+    const int width = check->shape.raster_width, margin = check->shape.margin_px;
+    for (int x = 0; x < 2 * bleed && x < width; x++) {
+        counts[x >= bleed] += is_paper(row + 3 * (size_t)(margin + x));
+        counts[x >= bleed] += is_paper(row + 3 * (size_t)(margin + width - 1 - x));
+    }
+}
+
+lf_status lf_check_bleed(lf_check *check, lf_error *err)
+{
+    static const char limit[] = "the picture goes on into the bleed";
+    const int bleed = (int)(check->print.bleed_mm * check->dpi[0] / 25.4);
+    int counts[2] = {0, 0};
+    if (!check->fits || check->is_chart || bleed < 1 || 4 * bleed > check->shape.raster_width)
+        return LF_OK;
+    float *row = lf_calloc((size_t)check->width, 3 * sizeof *row);
+    const int n = 16;
+    lf_status status = row ? LF_OK : lf_error_set(err, LF_E_NOMEM, check->path, "out of memory");
+    for (int i = 0; i < n && status == LF_OK; i++) {
+        lf_error trouble = {0};
+        const int y = check->shape.margin_down_px +
+                      (int)((2 * (int64_t)i + 1) * check->shape.raster_height / (2 * n));
+        if (lf_print_file_row(check->file, y, row, &trouble) != LF_OK) {
+            snprintf(check->trouble, sizeof check->trouble, "%s", trouble.what);
+            check->fits = false;
+            break;
+        }
+        count_row(check, row, bleed, counts);
+    }
+    lf_free(row);
+    if (status != LF_OK || !check->fits)
+        return status;
+    const bool blank = counts[0] == 2 * n * bleed && counts[1] < counts[0] / 2;
+    if (blank || check->report->points[CHECK_EDGES].result == LF_CHECK_NONE)
+        lf_check_say(check, CHECK_EDGES, blank ? LF_CHECK_FAIL : LF_CHECK_PASS, limit,
+                     "Write the print again with its bleed; do not add a white border.",
+                     blank ? "the bleed of %g mm is blank" : "the bleed of %g mm is filled",
+                     check->print.bleed_mm);
     return LF_OK;
 }

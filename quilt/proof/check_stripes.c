@@ -1,4 +1,4 @@
-#include "quilt/proof/lf_check_stripes.h"
+#include "quilt/proof/check_stripes.h"
 
 #include <math.h>
 #include <string.h>
@@ -53,7 +53,8 @@ typedef struct pixel_shares {
     double first; /* the next stripe has the rest */
 } pixel_shares;
 
-static pixel_shares shares_of(const lf_check_stripes *stripes, int j, double moved_mm, double origin)
+static pixel_shares shares_of(const lf_check_stripes *stripes, int j, double moved_mm,
+                              double origin)
 {
     const double left = lf_check_stripe_at(stripes, j, moved_mm),
                  right = lf_check_stripe_at(stripes, j + 1.0, moved_mm);
@@ -71,7 +72,8 @@ static int solve(int n, double *diagonal, const double *beside, double *right, d
 {
     int rank = 0;
     for (int t = 0; t < n; t++) {
-        const double before = t > 0 && diagonal[t - 1] > 0.0 ? beside[t - 1] / diagonal[t - 1] : 0.0;
+        const double before =
+            t > 0 && diagonal[t - 1] > 0.0 ? beside[t - 1] / diagonal[t - 1] : 0.0;
         if (t > 0) {
             diagonal[t] -= before * beside[t - 1];
             right[t] -= before * right[t - 1];
@@ -125,8 +127,9 @@ static double misfit_of_channel(const lf_check_stripes *stripes, const lf_check_
     return misfit;
 }
 
-double lf_check_misfit(const lf_check_stripes *stripes, const lf_check_line *line, const lf_check_block *block,
-                    double moved_mm, double *scratch, double *out_freedom)
+double lf_check_misfit(const lf_check_stripes *stripes, const lf_check_line *line,
+                       const lf_check_block *block, double moved_mm, double *scratch,
+                       double *out_freedom)
 {
     double misfit = 0.0;
     if (stripes->nearest)

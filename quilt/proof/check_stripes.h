@@ -43,7 +43,8 @@ typedef struct lf_check_line {
  * (codes, for nearest), between its pixels and any stripes so moved. *out_freedom gets the number
  * of values beyond those that the stripes fit. scratch: room for 4 doubles per pixel of the block,
  * and 16 more. */
-double lf_check_misfit(const lf_check_stripes *stripes, const lf_check_line *line, const lf_check_block *block,
-                    double moved_mm, double *scratch, double *out_freedom);
+double lf_check_misfit(const lf_check_stripes *stripes, const lf_check_line *line,
+                       const lf_check_block *block, double moved_mm, double *scratch,
+                       double *out_freedom);
 
 #endif

@@ -37,9 +37,9 @@ static void check_resolution(lf_check *check)
                  "A program has changed the resolution, and the print gets a wrong size; write "
                  "it again.",
                  "%u/%u x %u/%u per %s", at[0][0], at[0][1], at[1][0], at[1][1],
-                 inch                      ? "inch"
+                 inch                     ? "inch"
                  : check->tags->unit == 3 ? "centimetre"
-                                           : "unknown unit");
+                                          : "unknown unit");
 }
 
 static bool is_native(double dpi)
