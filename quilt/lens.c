@@ -41,8 +41,7 @@ double lf_lens_phase(const lf_lens *lens, double x, double y, int channel)
     return (lf_lens_across(lens, x, channel) + lf_lens_along(lens, y)) * lens->scale - lens->offset;
 }
 
-/* -------------------------------------------------------------------------------------- panel --
- */
+/* ------------------------------------------------------------------------------------- panel -- */
 
 static bool is_first_version(const lf_calibration *c)
 {
@@ -75,8 +74,7 @@ lf_lens lf_lens_of_panel(const lf_calibration *c, lf_invert invert)
     return lens;
 }
 
-/* -------------------------------------------------------------------------------------- print --
- */
+/* ------------------------------------------------------------------------------------- print -- */
 
 static lf_lens lens_of(const lf_print *print, double right, double down, double phase_mm,
                        double pitch_mm)

@@ -7,6 +7,8 @@
 
 #include "quilt/quilt.h"
 
+struct json_t;
+
 /* Conventions: x to the right, y down, seen from the front through the lens sheet, origin in the
  * middle of the print, millimetres. Lens k is centred on phase + k * 25.4/lpi. Its cell is divided
  * into n_views stripes of equal width. From left to right they carry view n_views-1 ... view 0,
@@ -26,6 +28,20 @@
 
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
+
+/* How a sheet and a printer blur the stripes. Zeroed: unknown. */
+enum { LF_PRINT_CROSSTALK = 8 };
+typedef struct lf_print_blur {
+    double spot_mm;  /* width of the spot that a lens images onto the print, across the lenses (a
+                      * box); 0: half a stripe */
+    double dot_gain; /* at 50 %: 0.15 means that 50 % prints as 65 % dark; a prints as
+                      * a + 4 gain a (1 - a); 0: none */
+    double ink_mm;   /* standard deviation of the printer's lateral spread of ink (Gaussian, across
+                      * the lenses); 0: none */
+    int n_crosstalk; /* measured: crosstalk[n + k] is the share of view i + k that is seen at view
+                      * i, for k = -n to n; sum 1. 0: unknown */
+    double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
+} lf_print_blur;
 
 /* Lens sheets. Their lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses, and
  * -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans to
@@ -78,6 +94,7 @@ typedef struct lf_print {
     int bits; /* 8 or 16 */
     /* for a pitch test chart (lf_chart_write): lpi - range to lpi + range, one band per step */
     double chart_range, chart_step;
+    lf_print_blur blur;
     /* NULL = sRGB; otherwise an RGB or CMYK display, output or colour space profile, at most 16
      * MiB */
     const char *icc_path;
@@ -93,6 +110,8 @@ typedef struct lf_print {
     lf_optics optics;
     double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches,
                              * if known; above 1 gives a warning */
+    /* lf_profile_apply's account of profiles, for the manifest; NULL = none */
+    const struct json_t *profiles;
 } lf_print;
 
 /* True if the pitch varies over the sheet by exact refraction (lf_lens_map). */
@@ -169,7 +188,6 @@ int lf_print_witness_at(const lf_print_witness *witness, int i);
 void lf_print_witness_finish(lf_print_witness *witness); /* accepts NULL */
 
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
-struct json_t;
 typedef struct lf_print_run {
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */

@@ -59,8 +59,7 @@ double lf_pdf_text_width(double size, bool bold, const char *text);
 /* A filled rectangle; its lower left corner is x, y. */
 void lf_pdf_rect(lf_pdf *pdf, double x, double y, double width, double height, double grey);
 
-/* -------------------------------------------------------------------------------------- image --
- */
+/* ------------------------------------------------------------------------------------- image -- */
 
 /* One image, lossless (Flate with a predictor per row). It has the colours of the page's profile,
  * or DeviceGray, DeviceRGB or DeviceCMYK without one. Interpolation is off. */

@@ -98,6 +98,12 @@ const lf_param lf_print_params[] = {
      .type = LF_PARAM_SWITCH, .help = "mirror the whole print, for the back of the sheet"},
     {.name = "marks", .option = "marks", PLACE(marks),
      .type = LF_PARAM_SWITCH, .help = "add register and alignment marks, 8 mm more on every side"},
+    {.name = "spot", .option = "spot", .argument = "MM", PLACE(blur.spot_mm), .unit = "mm",
+     .low = 1e-4, .high = 10, .help = "width of the spot that a lens images onto the print"},
+    {.name = "dot_gain", .option = "dot-gain", .argument = "FRACTION", PLACE(blur.dot_gain),
+     .low = 0, .high = 0.45, .help = "dot gain of the printer at 50 %"},
+    {.name = "ink_spread", .option = "ink-spread", .argument = "MM", PLACE(blur.ink_mm),
+     .unit = "mm", .low = 0, .high = 1, .help = "standard deviation of the spread of ink"},
     {0},
 };
 /* clang-format on */

@@ -93,7 +93,7 @@ bool lf_check_fit(const double *x_mm, const double *moved_um, const double *erro
     out->jitter_um = 0.0;
     for (int b = 0; b < n; b++)
         out->jitter_um =
-            fmax(out->jitter_um, fabs(moved_um[b] - middle - slope * x_mm[b]) - 3.0 * error_um[b]);
+            fmax(out->jitter_um, fabs(moved_um[b] - middle - slope * x_mm[b]) - 4.0 * error_um[b]);
     return out->error_um <= limit_um;
 }
 

@@ -10,7 +10,7 @@
 
 #define N_LINES 16
 #define MAX_BLOCKS 24
-#define LEAST_LENSES 8 /* of a block */
+#define LEAST_LENSES 16 /* of a block */
 /* A stripe must be wider than this, in pixels, to leave values beyond the unknowns. */
 #define LEAST_STRIPE 1.03
 #define N_SCAN 32

@@ -118,8 +118,7 @@ static lf_status open_client(lf_print_file *file, lf_error *err)
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------ opening --
- */
+/* ----------------------------------------------------------------------------------- opening -- */
 
 static bool is_compressed(const lf_print_tags *t)
 {
@@ -225,8 +224,7 @@ void lf_print_file_close(lf_print_file *file)
     lf_free(file);
 }
 
-/* -------------------------------------------------------------------------------------- facts --
- */
+/* ------------------------------------------------------------------------------------- facts -- */
 
 const lf_print_tags *lf_print_file_tags(const lf_print_file *file)
 {
@@ -260,8 +258,7 @@ size_t lf_print_file_raw_bytes(const lf_print_file *file)
     return (size_t)t->width * (size_t)t->samples * (size_t)t->bits / 8;
 }
 
-/* --------------------------------------------------------------------------------------- rows --
- */
+/* -------------------------------------------------------------------------------------- rows -- */
 
 static lf_status damaged_row(const lf_print_file *file, int y, const char *what, lf_error *err)
 {
@@ -345,8 +342,7 @@ lf_status lf_print_file_row(lf_print_file *file, int y, float *out, lf_error *er
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- manifest --
- */
+/* ---------------------------------------------------------------------------------- manifest -- */
 
 /* "sheet.json" for "sheet.tif"; the caller frees. NULL: out of memory. */
 static char *manifest_name(const char *path)

@@ -210,8 +210,7 @@ static bool take(lf_tiff *tiff, const entry *e)
     }
 }
 
-/* ---------------------------------------------------------------------------------- directory --
- */
+/* --------------------------------------------------------------------------------- directory -- */
 
 static lf_status read_head(lf_tiff *tiff, uint64_t *out_directory, lf_error *err)
 {
@@ -265,8 +264,7 @@ static lf_status read_directory(lf_tiff *tiff, uint64_t at, lf_error *err)
     return LF_OK;
 }
 
-/* -------------------------------------------------------------------------------------- sense --
- */
+/* ------------------------------------------------------------------------------------- sense -- */
 
 static void set_dpi(lf_print_tags *t)
 {
