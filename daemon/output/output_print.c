@@ -71,6 +71,7 @@ char *output_print_file(const char *path, int i)
 lf_print_run output_print_run(const lf_output_request *request)
 {
     return (lf_print_run){.settings = request->settings,
+                          .witness = request->witness,
                           .cancel = request->cancel,
                           .progress = request->progress,
                           .context = request->context};

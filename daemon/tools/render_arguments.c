@@ -66,6 +66,7 @@ static void print_help(void)
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
+    lf_param_print_help(lf_check_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
@@ -163,7 +164,7 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->asked_too = kind;
     else if (kind)
         a->asked = kind;
-    if (params == lf_print_params && !kind && !a->print_option)
+    if ((params == lf_print_params || params == lf_check_params) && !kind && !a->print_option)
         a->print_option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
@@ -491,6 +492,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_panel_params, NULL, &a->panel},
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
+                                     {lf_check_params, NULL, &a->check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},

@@ -7,6 +7,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
 #include "daemon/output/video.h"
+#include "daemon/tools/print_check.h"
 
 #define LF_RENDER_PROGRAM "quiltrender"
 
@@ -44,6 +45,7 @@ typedef struct lf_render_arguments {
     const char *print_option;  /* the first option that needs --print or --chart */
     const char *panel_option;  /* the first option that needs --panel */
     lf_print print;
+    lf_check_arguments check;
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */
     const char *rgbd_option;  /* the first option that needs --rgbd */

@@ -256,7 +256,7 @@ static lf_status compare_witness(lf_check *check, lf_error *err)
 {
     const lf_print_witness *witness = check->options->witness;
     check->differing = -1;
-    if (!witness || witness->height == 0)
+    if (!witness || witness->height == 0 || witness->n_rows == 0)
         return LF_OK;
     check->differing = witness->n_rows;
     if (!check->file || lf_print_file_unreadable(check->file) ||

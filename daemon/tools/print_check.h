@@ -1,0 +1,25 @@
+/* The checklist of a written print: of quiltrender after it has written, and of quiltprint check.
+ * Thread: the main thread. */
+#ifndef LF_DAEMON_PRINT_CHECK_H
+#define LF_DAEMON_PRINT_CHECK_H
+
+#include "base/param.h"
+#include "quilt/proof/check.h"
+
+/* Options of quiltrender about the checklist; zeroed is the default. */
+typedef struct lf_check_arguments {
+    bool off; /* a print is not checked after it was written */
+} lf_check_arguments;
+extern const lf_param lf_check_params[];
+
+/* Checks a print right after it was written, logs one line, and writes NAME.check.txt,
+ * NAME.check.json and the job sheet NAME.job.pdf beside it, each whole or not at all. *out_failed:
+ * a point failed. Errors of lf_print_check_file; LF_E_IO: a report cannot be written. */
+LF_NODISCARD lf_status lf_print_check_written(const char *path, const lf_print_witness *witness,
+                                              bool *out_failed, lf_error *err);
+
+/* quiltprint check FILE.tif [--manifest FILE] [--json]: argv[0] is "check". Returns the exit
+ * status: 0 all points hold or only warn, 1 a point fails or the file cannot be opened, 2 usage. */
+int lf_print_check_command(int argc, char *const argv[]);
+
+#endif
