@@ -14,7 +14,7 @@ service_units := $(patsubst %,quiltweb-%.socket,bridge events webxr)
 user_units := quiltweb.socket $(service_units) quiltweb-nng.socket
 
 # what shells complete, written by the programs from their tables
-completed := quiltd quiltctl quiltrender quiltsim quiltbench quiltweb
+completed := quiltd quiltctl quiltrender quiltprint quiltsim quiltbench quiltweb
 shells := bash zsh fish
 completions := $(foreach s,$(shells),$(patsubst %,$(O)/completions/%.$(s),$(completed)))
 define completion
@@ -31,6 +31,7 @@ install: all $(completions)
 	@for p in $(completed); do $(call to,644,$(O)/completions/$$p.bash,$(DATADIR)/bash-completion/completions/$$p) && \
 	 $(call to,644,$(O)/completions/$$p.zsh,$(ZSHDIR)/_$$p) && \
 	 $(call to,644,$(O)/completions/$$p.fish,$(DATADIR)/fish/vendor_completions.d/$$p.fish) || exit 1; done
+	@for f in $(profile_data); do $(call to,644,$(BUILDROOT)/$$f,$(dir $(SCENEDIR))$${f#profiles/}) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
 	@for f in scene.schema.json $(patsubst docs/%,%,$(call wild,docs/guide/*.md) $(call wild,docs/reference/*.md) $(call wild,docs/reference/formats/*.md) $(call wild,docs/reference/*.py) $(call wild,docs/guide/images/*) $(call wild,docs/developer/*.md) $(call wild,docs/developer/estimators/*.md)); do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
 	@for u in $(units) $(service_units); do $(call filled,$$u) && $(call to,644,$(O)/$$u,$(UNITDIR)/$$u) || exit 1; done

@@ -33,12 +33,10 @@ double lf_lens_factor(const lf_lens *lens, double radius)
 
 double lf_lens_phase(const lf_lens *lens, double x, double y, int channel)
 {
-    if (lens->thickness > 0.0) {
-        const double factor = lf_lens_factor(lens, sqrt(x * x + y * y));
-        x *= factor;
-        y *= factor;
-    }
-    return (lf_lens_across(lens, x, channel) + lf_lens_along(lens, y)) * lens->scale - lens->offset;
+    if (!(lens->thickness > 0.0))
+        return lf_lens_flat(lens, x, y, channel);
+    const double factor = lf_lens_factor(lens, sqrt(x * x + y * y));
+    return lf_lens_flat(lens, factor * x, factor * y, channel);
 }
 
 /* ------------------------------------------------------------------------------------- panel -- */

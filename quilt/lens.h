@@ -29,6 +29,12 @@ static inline double lf_lens_along(const lf_lens *lens, double y)
     return y * lens->down;
 }
 
+/* The phase without the radial map. */
+static inline double lf_lens_flat(const lf_lens *lens, double x, double y, int channel)
+{
+    return (lf_lens_across(lens, x, channel) + lf_lens_along(lens, y)) * lens->scale - lens->offset;
+}
+
 /* The phase at (x, y) in lenses, not wrapped. channel: 0 red, 1 green, 2 blue. */
 double lf_lens_phase(const lf_lens *lens, double x, double y, int channel);
 

@@ -24,7 +24,25 @@ struct json_t;
  * Fractional stripes: a pixel mixes the stripes it overlaps, by exact area, in linear light after
  * tone mapping. Nearest: a pixel takes the stripe that holds its centre. Stripes are half-open
  * [left, right), so a centre on a border (within 1e-9 stripe) belongs to the stripe on its right
- * (below it, for horizontal lenses). Both continue into the bleed, to the pixel. */
+ * (below it, for horizontal lenses). Both continue into the bleed, to the pixel.
+ *
+ * Lens sheets (lf_optics). Lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses,
+ * and -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans
+ * to the right. Lens k then has its axis at u = phase + k * 25.4/lpi. A fractional pixel weighs
+ * each stripe by the exact area of the leaning band in the pixel.
+ *
+ * Exact map: lpi is the pitch in the middle, and an eye at distance_mm in front of it sees the
+ * point P of the lens plane at r = |P| from the middle on the print at
+ * r + t tan(asin(sin(atan(r / D)) / n)) in the same direction. Pitch of the lenses themselves
+ * (mechanical): 25.4/lpi / (1 + t / (n D)).
+ *
+ * Micro sheets: one lens per point, of pitch 25.4/lpi along its rows. Square: lenses at (i, j) p.
+ * Hexagonal: at ((i + (j mod 2) / 2) p, j p sqrt(3) / 2), cells are the Voronoi hexagons. The grid
+ * is turned clockwise by the slant. View v is in column v mod columns from the left, and in row
+ * v / columns from the bottom, like the tiles of a quilt. A cell of p x p (hexagonal: p x
+ * 2p/sqrt(3)) is divided into columns x rows rectangles; from left to right they carry the last to
+ * the first column, from top to bottom the first to the last row: the picture under a lens is
+ * upside down and mirrored. */
 
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
@@ -43,9 +61,6 @@ typedef struct lf_print_blur {
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
 } lf_print_blur;
 
-/* Lens sheets. Their lenses may lean: u = x cos(slant) + y sin(slant) across vertical lenses, and
- * -x sin(slant) + y cos(slant) across horizontal ones, so that the top of a vertical lens leans to
- * the right. Where the text above says x or y of a position across the lenses, read u. */
 typedef enum lf_lens_grid { LF_LENS_LINEAR, LF_LENS_SQUARE, LF_LENS_HEXAGONAL } lf_lens_grid;
 typedef enum lf_lens_map { LF_MAP_AUTO, LF_MAP_UNIFORM, LF_MAP_EXACT } lf_lens_map;
 
@@ -121,6 +136,14 @@ static inline bool lf_print_is_exact(const lf_print *print)
     return o->map != LF_MAP_UNIFORM && o->thickness_mm > 0.0 && o->distance_mm > 0.0;
 }
 
+static inline bool lf_print_is_micro(const lf_print *print)
+{
+    return print->optics.grid != LF_LENS_LINEAR;
+}
+
+/* Rows of views under a lens; 1 for linear sheets. n_views must be set. */
+int lf_print_view_rows(const lf_print *print);
+
 /* The user's options of a print: names, ranges and defaults (base/param.h). */
 extern const lf_param lf_print_params[];
 
@@ -154,7 +177,15 @@ LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const 
  * need not transpose them.
  *
  * Horizontal lenses, not rolled (upright pictures): view_width is the raster's width, view_height
- * the number of lenses. */
+ * the number of lenses.
+ *
+ * Slanted lenses: the same with samples 25.4/lpi / cos(slant) apart across the lenses. Sample c is
+ * the lens first_lens + c where its axis crosses the middle row (column). The samples reach half a
+ * lens further than the lenses that touch the raster. In other rows the lens's sample is
+ * interpolated between two, at the axis.
+ *
+ * Micro sheets: one sample per lens both ways; hexagonal sheets have two per lens along a row. They
+ * are interpolated at the middle of a lens where the sheet leans. */
 typedef struct lf_print_shape {
     /* pixels of the picture with bleed: round((size + 2 bleed) * dpi / 25.4), each way by its own
      * dpi */
@@ -166,6 +197,8 @@ typedef struct lf_print_shape {
     int n_lenses, n_along;         /* the same two numbers, across and along the lenses */
     /* lens number of sample 0; lens 0 is centred on the middle (plus phase) */
     int first_lens;
+    /* Position of the middle of sample 0 and distance of samples, across and along, on the print */
+    double first_across_mm, first_along_mm, step_across_mm, step_along_mm;
     double window_width_mm, window_height_mm;
     double window_center_x_mm,
         /* middle of the window from the middle of the print, in the views' picture, right and

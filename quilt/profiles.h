@@ -103,16 +103,6 @@ void lf_print_give(lf_print_given *given, const lf_param *row);
 /* The rows of lf_print_params that a JSON object has. */
 lf_print_given lf_print_given_in(const struct json_t *values);
 
-/* Profiles of a print, read. */
-typedef struct lf_profiles {
-    bool has_lens, has_printer;
-    lf_lens_profile lens;
-    lf_printer_profile printer;
-} lf_profiles;
-/* Reads those that are named. *out owns nothing. Errors of the readers. */
-LF_NODISCARD lf_status lf_profiles_read(const lf_profile_names *names, const lf_roots *roots,
-                                        lf_profiles *out, lf_error *err);
-
 /* What the profiles gave: one line per profile, and warnings. */
 typedef struct lf_profile_told {
     lf_image_notes lines, warnings;
@@ -136,6 +126,21 @@ LF_NODISCARD lf_status lf_profile_apply(const lf_lens_profile *lens,
  * reference; NULL = out of memory. */
 struct json_t *lf_profile_account(const lf_lens_profile *lens, const lf_printer_profile *printer,
                                   const lf_profile_told *told);
+
+/* The profiles of a print. Zeroed is a valid start; finish it also after a failure. */
+typedef struct lf_profiles {
+    lf_lens_profile lens;
+    lf_printer_profile printer;
+    lf_profile_told told;
+    struct json_t *account; /* NULL: no names were given */
+} lf_profiles;
+/* Reads the named profiles and fills the print (lf_profile_apply), which then borrows the account
+ * and the path of the ICC file from *out. Without names does nothing. print->icc_roots does not
+ * hold for an ICC file that a profile found by name has. Errors of reading and of applying. */
+LF_NODISCARD lf_status lf_profiles_open(const lf_profile_names *names, const lf_roots *roots,
+                                        const lf_print_given *given, lf_print *print,
+                                        lf_profiles *out, lf_error *err);
+void lf_profiles_finish(lf_profiles *profiles);
 
 /* The visual pitch seen from to_mm, of a sheet whose pitch from from_mm is lpi. Distances of 0 are
  * infinite: the mechanical pitch. Pitch = mechanical / (1 + t / (n D)), for a thickness t > 0 and

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { MAX_OPTIONS = 160 };
+enum { MAX_OPTIONS = 256 };
 
 /* An option from either kind of table. */
 typedef struct described {

@@ -293,6 +293,23 @@ char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, cha
     return buf;
 }
 
+bool lf_content_depth_on_print(const lf_content *content, const lf_print *print, lf_depth *out,
+                               int *out_lenses)
+{
+    if (!content || !content->has_depth || print->horizontal || print->n_views < 2)
+        return false;
+    lf_print laid = *print;
+    laid.view_aspect = content->layout.aspect;
+    const double lenses = lf_print_lenses(&laid);
+    const double of_views = (double)content->layout.n_views / print->n_views;
+    const double scale = of_views * lenses / content->layout.view_width;
+    *out = content->depth;
+    out->nearest_step *= scale;
+    out->farthest_step *= scale;
+    *out_lenses = (int)lenses;
+    return lf_depth_exceeds(out, &content->settings.camera, LF_DEPTH_PRINT);
+}
+
 static bool has_warned(const lf_scene *scene, const char *line)
 {
     for (int i = 0; scene && lf_scene_warning(scene, i); i++)

@@ -71,6 +71,10 @@ typedef enum lf_depth_place {
     LF_DEPTH_FILE,  /* a quilt or panel image file; the remedy is in the scene's camera */
     LF_DEPTH_PRINT, /* a print: views have one column per lens; the limit is one lens per view */
 } lf_depth_place;
+/* The depth of a scene in a print of its views: steps in lenses, between views of the print. False:
+ * it fits, is unknown, or objects do not shift across the lenses. content may be NULL. */
+bool lf_content_depth_on_print(const lf_content *content, const lf_print *print, lf_depth *out,
+                               int *out_lenses);
 /* True if the depth exceeds the limit of that target. */
 bool lf_depth_exceeds(const lf_depth *depth, const lf_camera *camera, lf_depth_place place);
 /* Writes the warning for a depth that exceeds the limit; returns buf. width: of a view, in

@@ -16,6 +16,7 @@
 #include "base/parse.h"
 #include "base/version.h"
 #include "quilt/prints.h"
+#include "quilt/profiles.h"
 #include "quilt/rgbd.h"
 #include "render/render.h"
 

@@ -10,7 +10,7 @@
 #include "base/version.h"
 #include "daemon/output/completion.h"
 
-#define MAX_OPTIONS 96
+#define MAX_OPTIONS 256
 
 /* Codes after a program's own: help, the version, then PART_SIZE rows per part. */
 enum { CODE_HELP = 2 * LF_OPTION_OWN, CODE_VERSION, CODE_PART, PART_SIZE = 256 };

@@ -186,5 +186,8 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
  * plane; the bleed is outside it. For horizontal lenses the rig is rolled, and the print must be
  * written with `rolled`. print must have passed lf_print_check. */
 void lf_output_print_view(const lf_print *print, lf_render_settings *settings);
+/* The second step, once the cone is final: micro sheets have a grid of cameras as wide and as high
+ * as the cone, whose lenses are square or hexagonal. Other prints keep their rig. */
+void lf_output_print_rig(const lf_print *print, lf_camera *camera);
 
 #endif

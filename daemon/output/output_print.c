@@ -36,7 +36,7 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     lf_print_shape_of(&rendered, &shape);
     if (print->horizontal)
         roll(&settings->camera, print->width_mm / print->height_mm);
-    settings->camera.n_views = print->n_views;
+    settings->camera.n_views = print->n_views / lf_print_view_rows(print);
     settings->camera.track = 0.0;
     settings->camera.n_rows = 0;
     settings->camera.aspect = width / height;
@@ -48,6 +48,24 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     settings->window[1] = 0.5 + top / height;
     settings->window[2] = 0.5 + (left + shape.window_width_mm) / width;
     settings->window[3] = 0.5 + (top + shape.window_height_mm) / height;
+}
+
+void lf_output_print_rig(const lf_print *print, lf_camera *camera)
+{
+    if (!lf_print_is_micro(print))
+        return;
+    double distance = 0;
+    for (int k = 0; k < 3; k++)
+        distance +=
+            (camera->target[k] - camera->position[k]) * (camera->target[k] - camera->position[k]);
+    /* the whole width of a lens shows the cone; a hexagon is higher than wide */
+    const double reach = 2 * sqrt(distance) * tan(0.5 * camera->cone),
+                 height = print->optics.grid == LF_LENS_HEXAGONAL ? 2 / sqrt(3) : 1;
+    const int rows = lf_print_view_rows(print), columns = camera->n_views;
+    camera->n_rows = rows;
+    camera->track = reach * (columns - 1) / columns;
+    camera->rows_height = reach * height * (rows - 1) / rows;
+    camera->own_windows = false;
 }
 
 static char *manifest_path(const char *path)

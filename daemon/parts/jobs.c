@@ -38,6 +38,8 @@ void lf_export_finish(lf_export *what)
     lf_free(what->file);
     lf_free(what->name);
     lf_free(what->icc);
+    lf_free((char *)(uintptr_t)what->named.lens);
+    lf_free((char *)(uintptr_t)what->named.printer);
 }
 
 bool lf_export_is_drawn(const lf_export *what)

@@ -35,7 +35,9 @@ typedef struct lf_export {
     lf_panel_options panel;
     bool has_calibration;
     lf_calibration calibration;
-    lf_print print; /* its icc_path is icc */
+    lf_print print;         /* its icc_path is icc */
+    lf_profile_names named; /* profiles, which the job reads; owned */
+    lf_print_given given;   /* keys of print that the call has */
     lf_rgbd_options rgbd;
     char *icc;
     int *fds; /* descriptors to write to instead of a name */
@@ -80,6 +82,11 @@ typedef struct lf_jobs_home {
 void lf_export_finish(lf_export *what);
 /* True if the export needs no picture, and so waits for none. */
 bool lf_export_is_drawn(const lf_export *what);
+
+/* Chooses the number of views of an export's print, checks it, and notes its depth for the
+ * manifest. content: the shown picture; not read for kinds that are drawn. LF_E_ARG. */
+LF_NODISCARD lf_status lf_export_check_print(const lf_export *what, lf_print *print,
+                                             const lf_content *content, lf_error *err);
 
 /* events is copied. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_jobs_create(const lf_jobs_home *home, const lf_jobs_events *events,

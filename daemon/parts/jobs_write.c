@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -86,8 +87,36 @@ static lf_status destination_init(lf_job *job, const char *path, destination *ou
     return status;
 }
 
+lf_status lf_export_check_print(const lf_export *what, lf_print *print, const lf_content *content,
+                                lf_error *err)
+{
+    lf_depth depth;
+    int lenses;
+    lf_status status = LF_OK;
+    if (!what->kind->is_drawn)
+        status = lf_print_choose_views(print, content->layout.n_views, "export", "/views", err);
+    if (status == LF_OK)
+        status = what->kind->check_print(print, NULL, err);
+    if (status == LF_OK && !what->kind->is_drawn &&
+        lf_content_depth_on_print(content, print, &depth, &lenses))
+        print->parallax_lenses = fmin(lf_depth_shift(&depth), lenses); /* for the manifest */
+    return status;
+}
+
+/* Fills the print from its profiles, which are files, and checks it. */
+static lf_status open_profiles(lf_job *job, const lf_content *content, lf_print *print,
+                               lf_profiles *profiles)
+{
+    const lf_export *asked = &job->asked;
+    if (!asked->named.lens && !asked->named.printer)
+        return LF_OK;
+    lf_status status = lf_profiles_open(&asked->named, print->icc_roots, &asked->given, print,
+                                        profiles, &job->err);
+    return status == LF_OK ? lf_export_check_print(asked, print, content, &job->err) : status;
+}
+
 /* snapshot NULL: for a kind that is drawn. */
-static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
+static lf_status write_picture(lf_job *job, const lf_snapshot *snapshot, const lf_print *print)
 {
     static const lf_content nothing;
     const lf_content *content = snapshot ? snapshot->content : &nothing;
@@ -114,7 +143,7 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
         .layout = content->layout,
         .calibration = job->asked.has_calibration ? &job->asked.calibration : NULL,
         .panel = job->asked.panel,
-        .print = &job->asked.print,
+        .print = print,
         .rgbd = job->asked.rgbd,
         .exposure = snapshot ? snapshot->shown_as.exposure : 0,
         .tonemap = snapshot ? snapshot->shown_as.tonemap : NULL,
@@ -127,6 +156,21 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
     status = lf_output_write(&request, snapshot ? &snapshot->source : NULL, &job->err);
     json_decref(settings);
     destination_finish(job, &to, status);
+    return status;
+}
+
+/* snapshot NULL: for a kind that is drawn. */
+static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
+{
+    lf_print print = job->asked.print;
+    lf_profiles *profiles = lf_calloc(1, sizeof *profiles);
+    if (!profiles)
+        return lf_error_set(&job->err, LF_E_NOMEM, "profiles", "out of memory");
+    lf_status status = open_profiles(job, snapshot ? snapshot->content : NULL, &print, profiles);
+    if (status == LF_OK)
+        status = write_picture(job, snapshot, &print);
+    lf_profiles_finish(profiles);
+    lf_free(profiles);
     return status;
 }
 

@@ -263,6 +263,7 @@ static const struct {
     const lf_param *params;
     bool keeps;
 } tables[] = {{"export", lf_print_params, false},       {"export", lf_panel_params, false},
+              {"export", lf_profile_params, false},
               {"export", lf_response_params, true},     {"export", lf_rgbd_params, false},
               {"export", lf_photo_params, false},       {"scene.load", lf_alone_params, false},
               {"scene.load", lf_photo_params, false},   {"scene.load", lf_picture_params, false},

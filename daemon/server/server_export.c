@@ -39,25 +39,6 @@ static lf_status take_panel_words(const lf_server *server, lf_export *what, cons
     return status;
 }
 
-/* The depth of the shown scene in a print of its views: steps in lenses, between views of the
- * print. False: unknown, or objects do not shift across the lenses. */
-static bool depth_on_print(const lf_content *content, const lf_print *print, lf_depth *out,
-                           int *out_lenses)
-{
-    if (!content || !content->has_depth || print->horizontal || print->n_views < 2)
-        return false;
-    lf_print laid = *print;
-    laid.view_aspect = content->layout.aspect;
-    const double lenses = lf_print_lenses(&laid);
-    const double of_views = (double)content->layout.n_views / print->n_views;
-    const double scale = of_views * lenses / content->layout.view_width;
-    *out = content->depth;
-    out->nearest_step *= scale;
-    out->farthest_step *= scale;
-    *out_lenses = (int)lenses;
-    return lf_depth_exceeds(out, &content->settings.camera, LF_DEPTH_PRINT);
-}
-
 /* The warnings of an answer: the scene may be too deep for the sheet. */
 static json_t *warnings_of(const lf_server *server, const lf_export *what)
 {
@@ -66,18 +47,47 @@ static json_t *warnings_of(const lf_server *server, const lf_export *what)
     lf_depth depth;
     int lenses;
     if (what->kind && what->kind->check_print && !what->kind->is_drawn &&
-        depth_on_print(server->content, &what->print, &depth, &lenses))
+        lf_content_depth_on_print(server->content, &what->print, &depth, &lenses))
         (void)json_array_append_new(
             lines,
             json_string(lf_depth_words(&depth, lenses, LF_DEPTH_PRINT, words, sizeof words)));
     return lines;
 }
 
+/* The name of a profile, or its path, which must be readable. Caller frees. */
+static lf_status take_profile(const lf_server *server, const char *name, const char **out,
+                              lf_error *err)
+{
+    char *path = NULL;
+    lf_status status = LF_OK;
+    if (!name)
+        return LF_OK;
+    if (lf_profile_is_name(name) && !lf_path_has_ending(name, ".json"))
+        path = lf_strdup(name);
+    else
+        status = lf_server_read_path(server, name, &path, err);
+    *out = path;
+    return status == LF_OK && !path ? lf_error_set(err, LF_E_NOMEM, name, "out of memory") : status;
+}
+
+static lf_status take_profiles(const lf_server *server, lf_export *what, const json_t *params,
+                               lf_error *err)
+{
+    lf_status status = take_profile(server, string_of(params, "lens"), &what->named.lens, err);
+    if (status == LF_OK)
+        status = take_profile(server, string_of(params, "printer"), &what->named.printer, err);
+    what->given = lf_print_given_in(params);
+    return status;
+}
+
 static lf_status take_print_words(const lf_server *server, lf_export *what, const json_t *params,
                                   lf_error *err)
 {
     lf_print *print = &what->print;
+    const json_t *lens = json_object_get(params, "lens");
     const char *missing = lf_param_missing(lf_print_params, params);
+    if (missing && lens && strcmp(missing, "lpi") == 0) /* a profile has it */
+        missing = lf_param_missing(lf_param_next(lf_print_params), params);
     if (missing)
         return lf_error_set(err, LF_E_ARG, "export", "%s needs %s; \"%s\" is missing",
                             what->kind->what, what->kind->asks, missing);
@@ -86,21 +96,15 @@ static lf_status take_print_words(const lf_server *server, lf_export *what, cons
     lf_status status = lf_param_from_json(lf_print_params, params, print, "export", err);
     if (status == LF_OK)
         status = lf_param_from_json(lf_photo_params, params, &print->photo, "export", err);
-    if (status == LF_OK && !what->kind->is_drawn)
-        status =
-            lf_print_choose_views(print, server->content->layout.n_views, "export", "/views", err);
     if (status == LF_OK && print->icc_path)
         status = lf_server_read_path(server, print->icc_path, &what->icc, err);
     print->icc_path = what->icc;
     print->icc_roots = &server->roots;
     if (status == LF_OK)
-        status = what->kind->check_print(print, NULL, err);
-    lf_depth depth;
-    int lenses;
-    if (status == LF_OK && !what->kind->is_drawn &&
-        depth_on_print(server->content, print, &depth, &lenses))
-        print->parallax_lenses = fmin(lf_depth_shift(&depth), lenses); /* for the manifest */
-    return status;
+        status = take_profiles(server, what, params, err);
+    if (status != LF_OK || what->named.lens || what->named.printer)
+        return status; /* the job reads them, and checks the rest */
+    return lf_export_check_print(what, print, server->content, err);
 }
 
 static lf_status take_rgbd_words(lf_export *what, const json_t *params, lf_error *err)

@@ -1,6 +1,5 @@
 #include "daemon/tools/print_check.h"
 
-#include <getopt.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,9 +8,6 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "daemon/output/options.h"
-
-#define PROGRAM "quiltprint"
 
 static const char *const on_off[] = {"on", "off", NULL};
 
@@ -105,78 +101,25 @@ lf_status lf_print_check_written(const char *path, const lf_print_witness *witne
     return status;
 }
 
-/* ------------------------------------------------------------------------------ quiltprint check
- */
-
-static void print_help(void)
+lf_status lf_print_check_command(const lf_profiles_command *command, lf_error *err)
 {
-    puts("usage: quiltprint check FILE.tif [--manifest FILE] [--json]\n"
-         "\n"
-         "Reads a print back from disk and checks 18 points against its manifest.\n"
-         "\n"
-         "  --manifest FILE  the manifest; default: FILE.json beside FILE.tif\n"
-         "  --json           print JSON instead of text\n"
-         "  --help           print this help and exit\n"
-         "\n"
-         "Exit status: 0 if all points hold or only warn, 1 if one fails, 2 for a usage error.");
-}
-
-typedef struct check_arguments {
-    lf_print_check_options options;
-    const char *path;
-    bool json, help;
-} check_arguments;
-
-static lf_status parse(int argc, char *const argv[], check_arguments *out, lf_error *err)
-{
-    static const struct option options[] = {{"manifest", required_argument, NULL, 'm'},
-                                            {"json", no_argument, NULL, 'j'},
-                                            {"help", no_argument, NULL, 'h'},
-                                            {0}};
-    int option;
-    *out = (check_arguments){0};
-    opterr = 0;
-    optind = 0;
-    while ((option = getopt_long(argc, argv, "", options, NULL)) != -1) {
-        if (option == 'm')
-            out->options.manifest = optarg;
-        else if (option == 'j')
-            out->json = true;
-        else if (option == 'h')
-            out->help = true;
-        else
-            return lf_error_set(err, LF_E_ARG, argv[optind - 1],
-                                "unknown option or missing value; expected --manifest FILE or "
-                                "--json");
-    }
-    if (out->help)
-        return LF_OK;
-    if (argc - optind != 1)
-        return lf_error_set(err, LF_E_ARG, "check", "expected one FILE.tif, got %d names",
-                            argc - optind);
-    out->path = argv[optind];
-    return LF_OK;
-}
-
-int lf_print_check_command(int argc, char *const argv[])
-{
-    check_arguments a;
+    const lf_print_check_options options = {.manifest = command->manifest};
     lf_print_report report;
-    lf_error err = {0};
-    if (parse(argc, argv, &a, &err) != LF_OK)
-        return lf_usage_error(PROGRAM, &err);
-    if (a.help) {
-        print_help();
-        return LF_EXIT_OK;
-    }
-    if (lf_print_check_file(a.path, &a.options, &report, &err) != LF_OK) {
-        lf_log_error(&err);
-        return LF_EXIT_FAILED;
-    }
-    char *text = a.json ? json_text(&report) : lf_print_report_text(&report);
-    const bool failed = !text || lf_print_report_count(&report, LF_CHECK_FAIL) > 0;
-    fputs(text ? text : "out of memory\n", stdout);
+    if (command->n != 1)
+        return lf_error_set(err, LF_E_ARG, "check", "expects one PRINT.tif, got %d names",
+                            command->n);
+    const char *path = command->words[0];
+    lf_status status = lf_print_check_file(path, &options, &report, err);
+    if (status != LF_OK)
+        return status;
+    char *text = command->json ? json_text(&report) : lf_print_report_text(&report);
+    const int n_failed = lf_print_report_count(&report, LF_CHECK_FAIL);
+    if (!text)
+        status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    else if (fputs(text, stdout) >= 0 && n_failed > 0)
+        status = lf_error_set(err, LF_E_FORMAT, path, "%d of %d points fail; see their remedies",
+                              n_failed, LF_CHECK_POINTS);
     lf_free(text);
     lf_print_report_finish(&report);
-    return fflush(stdout) != 0 || failed ? LF_EXIT_FAILED : LF_EXIT_OK;
+    return status;
 }

@@ -4,6 +4,7 @@
 #define LF_DAEMON_PRINT_CHECK_H
 
 #include "base/param.h"
+#include "daemon/tools/print_profiles.h"
 #include "quilt/proof/check.h"
 
 /* Options of quiltrender about the checklist; zeroed is the default. */
@@ -18,8 +19,8 @@ extern const lf_param lf_check_params[];
 LF_NODISCARD lf_status lf_print_check_written(const char *path, const lf_print_witness *witness,
                                               bool *out_failed, lf_error *err);
 
-/* quiltprint check FILE.tif [--manifest FILE] [--json]: argv[0] is "check". Returns the exit
- * status: 0 all points hold or only warn, 1 a point fails or the file cannot be opened, 2 usage. */
-int lf_print_check_command(int argc, char *const argv[]);
+/* check PRINT.tif, of quiltprint: prints the report, as JSON with `json`. LF_E_FORMAT: a point
+ * fails; errors of lf_print_check_file; LF_E_ARG: not one name. */
+LF_NODISCARD lf_status lf_print_check_command(const lf_profiles_command *command, lf_error *err);
 
 #endif

@@ -66,6 +66,7 @@ static void print_help(void)
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
+    lf_param_print_help(lf_profile_params, NULL);
     lf_param_print_help(lf_check_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
     lf_param_print_help(lf_alone_params, NULL);
@@ -164,7 +165,10 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->asked_too = kind;
     else if (kind)
         a->asked = kind;
-    if ((params == lf_print_params || params == lf_check_params) && !kind && !a->print_option)
+    if (params == lf_print_params)
+        lf_print_give(&a->given, kind ? lf_param_find(lf_print_params, "print") : row);
+    if ((params == lf_print_params || params == lf_profile_params || params == lf_check_params) &&
+        !kind && !a->print_option)
         a->print_option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
@@ -257,7 +261,7 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
     char where[64];
-    snprintf(where, sizeof where, "--%s", a->asked ? a->asked->option : "");
+    snprintf(where, sizeof where, "--%s", a->asked ? a->asked->option : "print-size");
     if (a->asked_too)
         return lf_error_set(err, LF_E_ARG, where,
                             "cannot be combined with --%s; run one job for each output",
@@ -265,7 +269,9 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
     if (!a->kind->check_print && a->print_option)
         return refuse_option(a->print_option, reads_print, err);
     if (a->kind->check_print && !(a->print.width_mm > 0))
-        return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH in mm");
+        return lf_error_set(err, LF_E_ARG, where,
+                            a->asked ? "needs --print-size WxH in mm"
+                                     : "is missing; give WxH in mm");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->rgbd_option)
@@ -320,6 +326,8 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     const bool is_video = lf_output_fits(&lf_output_video, a->out);
     if (a->asked && !(a->asked == &lf_output_still && is_video))
         a->kind = a->asked;
+    else if (a->profiles.lens && lf_output_fits(&lf_output_print, a->out))
+        a->kind = &lf_output_print; /* --print is not needed: profiles give pitch and raster */
     else
         status = kind_of_ending(a->out, &a->kind, err);
     if (status == LF_OK && a->kind->is_drawn && !a->asked_too)
@@ -431,7 +439,8 @@ static lf_status take_batch(lf_render_arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_ARG, a->out,
                             "is the folder of the images; choose another folder for the outputs");
     a->depth.batch = a->out;
-    a->out = a->asked && a->asked->check_print            ? "batch.tif"
+    const bool is_print = a->asked ? a->asked->check_print != NULL : a->profiles.lens != NULL;
+    a->out = is_print                                     ? "batch.tif"
              : a->asked == &lf_output_wiggle              ? "batch.gif"
              : is_jpeg && !(a->asked && a->asked->layers) ? "batch.jpg"
                                                           : "batch.png";
@@ -492,6 +501,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_panel_params, NULL, &a->panel},
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
+                                     {lf_profile_params, NULL, &a->profiles},
                                      {lf_check_params, NULL, &a->check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},

@@ -44,7 +44,9 @@ typedef struct lf_render_arguments {
     const char *render_option; /* the first option that needs path tracing */
     const char *print_option;  /* the first option that needs --print or --chart */
     const char *panel_option;  /* the first option that needs --panel */
-    lf_print print;
+    lf_print print;            /* of the options alone */
+    lf_profile_names profiles; /* --lens and --printer */
+    lf_print_given given;      /* keys of print that options gave */
     lf_check_arguments check;
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */

@@ -503,6 +503,7 @@ void lf_rendering_finish(lf_rendering *r)
     lf_pool_destroy(r->pool);
     lf_quilt_finish(&r->quilt);
     json_decref(r->record);
+    lf_profiles_finish(&r->profiles);
     lf_free(r->film);
     lf_free(r->layers);
     lf_free(r->path);

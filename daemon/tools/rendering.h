@@ -51,7 +51,9 @@ typedef struct lf_rendering {
     float *layers;     /* [row][view][column][channels]; NULL: no layers */
     int camera_row;    /* current row of a camera grid */
     lf_film_settings film_settings;
-    lf_print print;
+    lf_profiles profiles;
+    lf_print asked; /* the print of options and profiles */
+    lf_print print; /* for this output */
     char *path;     /* final name; in a sequence, of the current frame */
     json_t *record; /* settings for attributes and the manifest */
     lf_render_times times;

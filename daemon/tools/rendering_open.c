@@ -21,6 +21,8 @@
 
 /* Open files in addition to the files of an output. */
 #define OTHER_FILES 64
+/* Cameras of a grid for a micro lens sheet. */
+#define MOST_GRID_VIEWS 4096
 
 /* Checked early, so that an hour of rendering does not end at a missing folder. */
 static lf_status check_folder_of(const char *path, lf_error *err)
@@ -45,7 +47,7 @@ static lf_status check_folder_of(const char *path, lf_error *err)
 lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *err)
 {
     const char *warning = NULL;
-    r->print = r->arguments->print;
+    r->print = r->asked;
     r->print.photo = r->arguments->options.photo;
     r->print.n_views = r->arguments->options.views;
     const char *where = r->print.n_views > 0 ? "--views" : "--print";
@@ -247,11 +249,14 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
-        status = lf_rendering_open_print(r, LF_MAX_VIEWS, err);
+        const int n_most = lf_print_is_micro(&a->print) ? MOST_GRID_VIEWS : LF_MAX_VIEWS;
+        status = lf_rendering_open_print(r, n_most, err);
         if (status == LF_OK)
             lf_output_print_view(&r->print, &r->settings);
         if (status == LF_OK && is_alone(r))
             narrow_cone(r);
+        if (status == LF_OK)
+            lf_output_print_rig(&r->print, &r->settings.camera);
         r->print.rolled = r->print.horizontal;
     }
     return status;
@@ -587,12 +592,33 @@ static lf_status open_input(lf_rendering *r, lf_error *err)
     return status == LF_OK ? open_scene(r, err) : status;
 }
 
+/* Fills the print from profiles, and tells what they gave; options win over them. */
+static lf_status open_profiles(lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    char line[512];
+    r->asked = a->print;
+    if (!a->kind->check_print)
+        return LF_OK;
+    lf_status status =
+        lf_profiles_open(&a->profiles, NULL, &a->given, &r->asked, &r->profiles, err);
+    if (status != LF_OK)
+        return status;
+    for (size_t at = 0; lf_image_notes_next(&r->profiles.told.lines, &at, line, sizeof line);)
+        lf_log(LF_LOG_INFO, "%s", line);
+    for (size_t at = 0; lf_image_notes_next(&r->profiles.told.warnings, &at, line, sizeof line);)
+        lf_log(LF_LOG_WARNING, "%s", line);
+    return a->kind->is_drawn ? a->kind->check_print(&r->asked, NULL, err) : LF_OK;
+}
+
 lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     r->sequence.on = lf_frames_wanted(&a->frames);
     r->sequence.frame = a->frames.first;
     lf_status status = check_folders(r, err);
+    if (status == LF_OK)
+        status = open_profiles(r, err);
     if (status == LF_OK && a->kind->needs_panel)
         status = lf_calibration_load(a->options.calibration, &r->calibration, err);
     char words[256];
@@ -600,7 +626,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         lf_options_preset_differs(&a->options, &r->calibration, words, sizeof words))
         lf_log(LF_LOG_WARNING, "%s: %s", a->options.calibration, words);
     if (a->kind->is_drawn)
-        r->print = a->print;
+        r->print = r->asked;
     else if (status == LF_OK)
         status = open_input(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)

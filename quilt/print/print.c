@@ -16,42 +16,83 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
     return buf;
 }
 
+#define RADIANS (3.14159265358979323846 / 180.0)
+
+double lf_print_cos(const lf_print *print)
+{
+    return cos(print->optics.slant * RADIANS);
+}
+
+double lf_print_sin(const lf_print *print)
+{
+    return sin(print->optics.slant * RADIANS);
+}
+
+double lf_print_pixels_per_lens(const lf_print *print)
+{
+    const double across = lf_print_dpi_across(print) / print->lpi;
+    /* a micro lens has them both ways */
+    return lf_print_is_micro(print)     ? fmin(print->dpi, lf_print_dpi_down(print)) / print->lpi
+           : print->optics.slant == 0.0 ? across
+                                        : across / lf_print_cos(print);
+}
+
+int lf_print_view_rows(const lf_print *print)
+{
+    if (!lf_print_is_micro(print))
+        return 1;
+    return print->optics.view_rows > 0 ? print->optics.view_rows
+                                       : (int)lround(sqrt((double)print->n_views));
+}
+
 /* With more views, stripes are so narrow that neighbouring views ghost. */
 #define VIEWS_A_PIXEL 0.8
 
+static const char ghosts[] = "with more than 0.8 dpi/lpi views, neighbouring views show as ghosts; "
+                             "use fewer views or a higher resolution";
+
 static lf_status check_views(const lf_print *print, const char **out_warning, lf_error *err)
 {
-    const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
+    const double pixels_per_lens = lf_print_pixels_per_lens(print);
     const int most = (int)fmax(floor(pixels_per_lens + 0.5), 1.0);
-    if (print->n_views < 1 || print->n_views > most)
+    const int rows = lf_print_view_rows(print), columns = print->n_views / rows;
+    if (print->n_views < 1 || columns < 1 || columns * rows != print->n_views)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "%d views do not fill %d rows; give the rows of views", print->n_views,
+                            rows);
+    if (columns > most || rows > most)
         return lf_error_set(err, LF_E_ARG, "print",
                             "%d views are not possible: a lens of %g lpi has %.4g pixels at %.10g "
-                            "dpi; expected 1 to %d views",
+                            "dpi; expected 1 to %d views%s",
                             print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print),
-                            most);
+                            most, lf_print_is_micro(print) ? " each way" : "");
+    const int widest = columns > rows ? columns : rows;
     if (out_warning)
-        *out_warning = print->n_views > 2 && print->n_views > VIEWS_A_PIXEL * pixels_per_lens + 1e-9
-                           ? "with more than 0.8 dpi/lpi views, neighbouring views show as ghosts; "
-                             "use fewer views or a higher resolution"
-                           : NULL;
+        *out_warning =
+            widest > 2 && widest > VIEWS_A_PIXEL * pixels_per_lens + 1e-9 ? ghosts : NULL;
+    return LF_OK;
+}
+
+static lf_status check_micro(const lf_print *print, lf_error *err)
+{
+    if (print->horizontal)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "micro lenses have no orientation; leave out \"horizontal\"");
+    if (print->marks)
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "marks are for rows of lenses; leave them out for micro lenses");
     return LF_OK;
 }
 
 static lf_status check_optics(const lf_print *print, lf_error *err)
 {
     const lf_optics *o = &print->optics;
-    const bool is_known = o->thickness_mm > 0.0 && o->distance_mm > 0.0;
-    if (o->map == LF_MAP_EXACT && !is_known)
+    if (o->map == LF_MAP_EXACT && !lf_print_is_exact(print))
         return lf_error_set(err, LF_E_ARG, "print",
                             "an exact map needs the sheet's thickness and viewing distance; give "
                             "both, or use the uniform map");
-    if (o->grid != LF_LENS_LINEAR)
-        return lf_error_set(err, LF_E_ARG, "print",
-                            "micro lens sheets cannot be printed; use a linear lens grid");
-    if (o->slant != 0.0 || lf_print_is_exact(print))
-        return lf_error_set(err, LF_E_ARG, "print",
-                            "slanted lenses and exact maps cannot be printed; use a slant of 0 and "
-                            "the uniform map");
+    if (lf_print_is_micro(print))
+        return check_micro(print, err);
     if (o->view_rows > 0 || o->phase_down_mm != 0.0)
         return lf_error_set(err, LF_E_ARG, "print",
                             "view rows and a phase down are for micro lens sheets");
@@ -74,6 +115,22 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     return optics != LF_OK ? optics : check_views(print, out_warning, err);
 }
 
+/* A micro sheet shows all views that there are, if they are fewer than it could. */
+static lf_status choose_micro_views(lf_print *print, int n_most, const char *where, lf_error *err)
+{
+    const int clean = (int)fmax(2, floor(VIEWS_A_PIXEL * lf_print_pixels_per_lens(print) + 1e-9));
+    const int asked = print->optics.view_rows;
+    const double could = (asked > 0 ? asked : clean) * (double)clean;
+    const int rows = asked > 0 ? asked : (int)lround(sqrt((double)n_most));
+    if (could > n_most && n_most != rows * (asked > 0 ? n_most / rows : rows))
+        return lf_error_set(err, LF_E_ARG, where,
+                            "%d views do not fill rows of views; give the number of rows with "
+                            "view rows",
+                            n_most);
+    print->n_views = could > n_most ? n_most : (int)could;
+    return LF_OK;
+}
+
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
                                 lf_error *err)
 {
@@ -82,7 +139,9 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
                                "%d views requested, but only %d exist", print->n_views, n_most);
     if (print->n_views > 0)
         return LF_OK;
-    const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
+    if (lf_print_is_micro(print))
+        return choose_micro_views(print, n_most, where, err);
+    const double pixels_per_lens = lf_print_pixels_per_lens(print);
     if (pixels_per_lens < 1.5 && n_most > 1)
         return lf_error_set(err, LF_E_ARG, where,
                             "a lens of %g lpi has %.3g pixels at %.10g dpi, too few for 2 views; "
@@ -106,24 +165,77 @@ static void lenses_of(const lf_print *print, int raster_across, int *out_first, 
     *out_last = (int)ceil(half - phase + 0.5) - 1;
 }
 
+/* Where the axis of lens 0 crosses the middle row (column). */
+static double phase_across(const lf_print *print)
+{
+    return print->optics.slant == 0.0 ? print->phase_mm : print->phase_mm / lf_print_cos(print);
+}
+
+/* Samples `step` apart, one of them at `phase`, from half a lens beyond one edge to half a lens
+ * beyond the other. */
+static int samples_beyond(double phase, double step, double lens, double half, int *out_n)
+{
+    const int first = (int)floor((-half - 0.5 * lens - phase) / step);
+    *out_n = (int)ceil((half + 0.5 * lens - phase) / step) - first + 1;
+    return first;
+}
+
+static void linear_samples(const lf_print *print, lf_print_shape *out)
+{
+    const int raster_across = print->horizontal ? out->raster_height : out->raster_width;
+    int last;
+    out->step_across_mm = lf_print_pitch_mm(print);
+    out->step_along_mm = 25.4 / lf_print_dpi_along(print);
+    out->n_along = print->horizontal ? out->raster_width : out->raster_height;
+    if (lf_print_is_separable(print)) {
+        lenses_of(print, raster_across, &out->first_lens, &last);
+        out->n_lenses = last - out->first_lens + 1;
+    } else {
+        out->step_across_mm /= lf_print_cos(print);
+        out->first_lens =
+            samples_beyond(phase_across(print), out->step_across_mm, out->step_across_mm,
+                           0.5 * raster_across * 25.4 / lf_print_dpi_across(print), &out->n_lenses);
+    }
+    out->first_across_mm = phase_across(print) + out->first_lens * out->step_across_mm;
+    out->first_along_mm = (0.5 - 0.5 * out->n_along) * out->step_along_mm;
+}
+
+/* A turned sheet's lens may lie further out by half a diagonal. */
+#define MICRO_REACH 1.6
+
+static void micro_samples(const lf_print *print, lf_print_shape *out)
+{
+    const bool is_hexagonal = print->optics.grid == LF_LENS_HEXAGONAL;
+    const double pitch = lf_print_pitch_mm(print), right_mm = 25.4 / print->dpi,
+                 down_mm = 25.4 / lf_print_dpi_down(print);
+    int first;
+    out->step_across_mm = is_hexagonal ? 0.5 * pitch : pitch;
+    out->step_along_mm = is_hexagonal ? pitch * sqrt(0.75) : pitch;
+    out->first_lens = samples_beyond(print->phase_mm, out->step_across_mm, MICRO_REACH * pitch,
+                                     0.5 * out->raster_width * right_mm, &out->n_lenses);
+    first = samples_beyond(print->optics.phase_down_mm, out->step_along_mm, MICRO_REACH * pitch,
+                           0.5 * out->raster_height * down_mm, &out->n_along);
+    out->first_across_mm = print->phase_mm + out->first_lens * out->step_across_mm;
+    out->first_along_mm = print->optics.phase_down_mm + first * out->step_along_mm;
+}
+
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out)
 {
-    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print),
-                 pitch_mm = 25.4 / print->lpi;
-    int last;
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
     memset(out, 0, sizeof *out);
     out->raster_width = (int)lround((print->width_mm + 2.0 * print->bleed_mm) / right_mm);
     out->raster_height = (int)lround((print->height_mm + 2.0 * print->bleed_mm) / down_mm);
     out->margin_px = print->marks ? (int)lround(LF_MARKS_MM / right_mm) : 0;
     out->margin_down_px = print->marks ? (int)lround(LF_MARKS_MM / down_mm) : 0;
-    lenses_of(print, print->horizontal ? out->raster_height : out->raster_width, &out->first_lens,
-              &last);
-    out->n_lenses = last - out->first_lens + 1;
-    out->n_along = print->horizontal ? out->raster_width : out->raster_height;
-
-    const double across_mm = out->n_lenses * pitch_mm,
-                 along_mm = out->n_along * (25.4 / lf_print_dpi_along(print));
-    const double center_mm = print->phase_mm + 0.5 * (out->first_lens + last) * pitch_mm;
+    if (lf_print_is_micro(print))
+        micro_samples(print, out);
+    else
+        linear_samples(print, out);
+    const double across_mm = out->n_lenses * out->step_across_mm,
+                 along_mm = out->n_along * out->step_along_mm;
+    const int last = out->first_lens + out->n_lenses - 1;
+    const double center_mm = (lf_print_is_micro(print) ? print->phase_mm : phase_across(print)) +
+                             0.5 * (out->first_lens + last) * out->step_across_mm;
     if (print->horizontal && !print->rolled) {
         out->view_width = out->n_along;
         out->view_height = out->n_lenses;
@@ -137,6 +249,9 @@ void lf_print_shape_of(const lf_print *print, lf_print_shape *out)
         out->window_height_mm = along_mm;
         out->window_center_x_mm = center_mm;
     }
+    if (lf_print_is_micro(print))
+        out->window_center_y_mm =
+            out->first_along_mm + 0.5 * (out->n_along - 1) * out->step_along_mm;
 }
 
 /* ------------------------------------------------------------------------------- interlacing -- */
@@ -156,7 +271,9 @@ typedef struct job {
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
-    line_key held[3]; /* horizontal: the contents of the three lines of samples */
+    line_key held[3];    /* horizontal: the contents of the three lines of samples */
+    lf_slanted *slanted; /* instead of mix and samples: */
+    lf_micro *micro;
 } job;
 
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
@@ -168,6 +285,10 @@ static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
     lf_status status = lf_print_source_init(&j->source, print, &j->shape, views, tone);
     if (status != LF_OK)
         return status;
+    if (lf_print_is_micro(print))
+        return lf_micro_create(print, &j->shape, &j->source, &j->micro);
+    if (!lf_print_is_separable(print))
+        return lf_slanted_create(print, &j->shape, &j->source, &j->slanted);
     j->mix = lf_calloc((size_t)across, sizeof *j->mix);
     j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
     if (!j->mix || !j->samples)
@@ -183,6 +304,8 @@ static void job_finish(job *j)
 {
     lf_print_source_finish(&j->source);
     lf_print_colour_destroy(j->colour);
+    lf_slanted_destroy(j->slanted);
+    lf_micro_destroy(j->micro);
     lf_free(j->mix);
     lf_free(j->samples);
 }
@@ -253,7 +376,11 @@ static void draw_row(void *context, int y, float *row)
     row += (size_t)margin * 3;
     if (y < 0 || y >= j->shape.raster_height)
         return;
-    if (j->print->horizontal)
+    if (j->micro)
+        lf_micro_row(j->micro, y, row);
+    else if (j->slanted)
+        lf_slanted_row(j->slanted, y, row);
+    else if (j->print->horizontal)
         horizontal_row(j, y, row);
     else
         vertical_row(j, y, row);
@@ -283,6 +410,10 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
     lf_status status = lf_print_check(print, &facts.warning, err);
     if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
         status = lf_error_set(err, LF_E_ARG, "print", "no views");
+    if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
+        status = lf_error_set(
+            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
+            views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)

@@ -33,6 +33,25 @@ static inline double lf_print_dpi_along(const lf_print *print)
     return print->horizontal ? print->dpi : lf_print_dpi_down(print);
 }
 
+static inline double lf_print_pitch_mm(const lf_print *print)
+{
+    return 25.4 / print->lpi;
+}
+
+/* Cosine and sine of the slant; exactly 1 and 0 without one. */
+double lf_print_cos(const lf_print *print);
+double lf_print_sin(const lf_print *print);
+
+/* True if all rows (columns) have the same stripes. */
+static inline bool lf_print_is_separable(const lf_print *print)
+{
+    return print->optics.slant == 0.0 && !lf_print_is_micro(print) && !lf_print_is_exact(print);
+}
+
+/* Printer pixels of a lens, along a row for vertical lenses and along a column for horizontal
+ * ones. */
+double lf_print_pixels_per_lens(const lf_print *print);
+
 /* "600", "720x1440", as options have it; returns buf. */
 char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size);
 
@@ -49,6 +68,19 @@ typedef struct lf_stripe_mix {
 /* pixel: index across the lenses (x for vertical ones, y for horizontal), before mirroring. */
 void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
                       lf_stripe_mix *out);
+
+/* ----------------------------------------------------------------------------------- leaning -- */
+
+/* How a linear coordinate is distributed over a pixel: a trapezoid, the convolution of two boxes
+ * with these half widths, wide >= narrow >= 0, wide > 0. */
+typedef struct lf_pixel_spread {
+    double wide, narrow;
+} lf_pixel_spread;
+
+/* From the change of the coordinate over the pixel's width and over its height. */
+lf_pixel_spread lf_pixel_spread_of(double change_right, double change_down);
+/* The fraction of the pixel's area whose coordinate is below that of its middle + t; exact. */
+double lf_pixel_share(const lf_pixel_spread *spread, double t);
 
 /* ------------------------------------------------------------------------------------- views -- */
 
@@ -77,6 +109,8 @@ int lf_print_source_view(const lf_print_source *source, int i);
  * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out);
+/* One sample, [3]. */
+void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out);
 
 /* ------------------------------------------------------------------------------------ colour -- */
 
@@ -93,6 +127,25 @@ const void *lf_print_colour_profile(const lf_print_colour *colour, size_t *out_s
 /* n pixels of linear display light (Rec. 709, 0..1) -> device values of print->bits bits, native
  * byte order. */
 void lf_print_colour_encode(const lf_print_colour *colour, size_t n, const float *in, void *out);
+
+/* ---------------------------------------------------------------------------- general sheets -- */
+
+/* Rows of prints that are not separable. All references are borrowed. */
+
+/* Linear sheets, slanted or with an exact map. */
+typedef struct lf_slanted lf_slanted;
+LF_NODISCARD lf_status lf_slanted_create(const lf_print *print, const lf_print_shape *shape,
+                                         const lf_print_source *source, lf_slanted **out);
+void lf_slanted_destroy(lf_slanted *slanted);
+/* Linear light of row y of the picture, [raster_width][3]. Rows in any order. */
+void lf_slanted_row(lf_slanted *slanted, int y, float *row);
+
+/* Micro sheets. */
+typedef struct lf_micro lf_micro;
+LF_NODISCARD lf_status lf_micro_create(const lf_print *print, const lf_print_shape *shape,
+                                       const lf_print_source *source, lf_micro **out);
+void lf_micro_destroy(lf_micro *micro);
+void lf_micro_row(lf_micro *micro, int y, float *row);
 
 /* -------------------------------------------------------------------------------------- tiff -- */
 

@@ -211,6 +211,9 @@ static json_t *warning_part(const lf_print_facts *facts)
                  facts->print->parallax_lenses);
         json_array_append_new(warnings, json_string(text));
     }
+    json_t *of_profiles = json_object_get(facts->print->profiles, "warnings");
+    if (warnings && of_profiles)
+        json_array_extend(warnings, of_profiles);
     const lf_image_notes *notes = facts->run->notes;
     for (size_t at = 0; warnings && notes && lf_image_notes_next(notes, &at, text, sizeof text);)
         json_array_append_new(warnings, line_of(text));
@@ -238,6 +241,11 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
         "quiltd " LF_VERSION, "print_at", advice, "file", file_part(tiff), "options", options,
         "size", size_part(facts->print, facts->shape), "colour", colour_part(facts, options),
         "warnings", warning_part(facts), "settings", settings);
+    if (facts->print->profiles) {
+        json_t *account = json_copy((json_t *)(uintptr_t)facts->print->profiles);
+        json_object_del(account, "warnings");
+        json_object_set_new(root, "profiles", account);
+    }
     if (facts->chart)
         json_object_set_new(root, "chart", facts->chart);
     else if (json_object_update_new(root, picture_parts(facts, options)) != 0) {

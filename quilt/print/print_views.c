@@ -64,7 +64,9 @@ static void no_border(lf_axis_filter *filter)
 static lf_status laid_filters(lf_print_source *source, const lf_print *print,
                               const lf_print_shape *shape, bool backwards)
 {
-    const double pixel_mm = 25.4 / lf_print_dpi_along(print), pitch_mm = 25.4 / print->lpi;
+    const double pixel_mm = shape->step_along_mm, pitch_mm = shape->step_across_mm;
+    /* a sample of a hexagonal sheet is as wide as its lens, which is two steps */
+    const double lens_mm = print->optics.grid == LF_LENS_HEXAGONAL ? 2.0 * pitch_mm : pitch_mm;
     const lf_photo_place *place = &source->place;
     const double across_mm = print->horizontal ? place->height : place->width;
     const double along_mm = print->horizontal ? place->width : place->height;
@@ -73,12 +75,11 @@ static lf_status laid_filters(lf_print_source *source, const lf_print *print,
         (print->horizontal ? place->right : place->down) * (backwards ? -1.0 : 1.0);
     const double across_scale = source->n_across_in / across_mm,
                  along_scale = source->n_along_in / along_mm;
-    const double first_mm = print->phase_mm + shape->first_lens * pitch_mm - across_middle;
-    const double along_first_mm =
-        (0.5 - 0.5 * shape->n_along) * pixel_mm * (backwards ? -1.0 : 1.0) - along_middle;
+    const double first_mm = shape->first_across_mm - across_middle;
+    const double along_first_mm = shape->first_along_mm * (backwards ? -1.0 : 1.0) - along_middle;
     lf_status status = lf_axis_filter_init(&source->across, source->n_across_in, shape->n_lenses,
                                            (first_mm + 0.5 * across_mm) * across_scale,
-                                           pitch_mm * across_scale, pitch_mm * across_scale);
+                                           pitch_mm * across_scale, lens_mm * across_scale);
 
     if (status == LF_OK)
         status = lf_axis_filter_init(&source->along, source->n_along_in, shape->n_along,
@@ -121,7 +122,8 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
 static double scale_along(const lf_print *print, const lf_views32 *views,
                           const lf_photo_place *place)
 {
-    const double dots_mm = lf_print_dpi_along(print) / 25.4;
+    const double dots_mm = lf_print_is_micro(print) ? 1.0 / lf_print_pitch_mm(print)
+                                                    : lf_print_dpi_along(print) / 25.4;
     const int n = print->horizontal && !print->rolled ? views->width : views->height;
     return (print->horizontal ? place->width : place->height) * dots_mm / n;
 }
@@ -156,7 +158,8 @@ double lf_print_lenses(const lf_print *print)
     lf_print_shape shape;
     lf_print_shape_of(print, &shape);
     const lf_photo_place place = lay(print, &shape);
-    return (print->horizontal ? place.height : place.width) * print->lpi / 25.4;
+    return (print->horizontal ? place.height : place.width) * print->lpi / 25.4 *
+           lf_print_cos(print);
 }
 
 void lf_print_source_finish(lf_print_source *source)
@@ -245,4 +248,40 @@ void lf_print_source_along(const lf_print_source *source, int i, int lens, float
     lf_axis_filter_line(&source->along, source->line, out);
     lf_tone_linear(source->tone, (size_t)source->along.n_out, out, out);
     add_border(source, &source->along, source->across.inside[lens], out);
+}
+
+/* A sample of a view, by both filters. */
+static void gather_point(const lf_print_source *source, int view, int across, int along,
+                         float sum[3])
+{
+    const lf_views32 *views = source->views;
+    const lf_axis_filter *a = &source->across, *b = &source->along;
+    const float *weight_a = a->weight + (size_t)across * (size_t)a->max_taps,
+                *weight_b = b->weight + (size_t)along * (size_t)b->max_taps;
+    const line_place place = {source->across_step, 0, a->n_taps[across]};
+    for (int t = 0; t < b->n_taps[along]; t++) {
+        const size_t at = (size_t)(b->first[along] + t) * source->along_step +
+                          (size_t)a->first[across] * place.step;
+        for (int s = 0; s < place.n; s++) {
+            const size_t i = at + (size_t)s * place.step;
+            const float weight = weight_a[s] * weight_b[t];
+            for (int c = 0; c < 3; c++)
+                sum[c] +=
+                    weight * (views->codes
+                                  ? views->light[lf_views32_codes(views, view, 0)[i + (size_t)c]]
+                                  : finite_or_zero(lf_views32_row(views, view, 0)[i + (size_t)c]));
+        }
+    }
+}
+
+void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out)
+{
+    float sum[3] = {0.0F, 0.0F, 0.0F};
+    gather_point(source, lf_print_source_view(source, i), across, along, sum);
+    lf_tone_linear(source->tone, 1, sum, out);
+    if (!(source->resampled && (source->place.beside > 0 || source->place.above > 0)))
+        return;
+    const float share = source->across.inside[across] * source->along.inside[along];
+    for (int c = 0; c < 3; c++)
+        out[c] = share * out[c] + (1.0F - share);
 }

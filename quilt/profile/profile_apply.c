@@ -162,15 +162,16 @@ static lf_status take_calibration(filling *f, const lf_lens_calibration *c, int 
     char what[256];
     if (!is_given(f->given, "distance") && n > 1)
         return lf_error_set(f->err, LF_E_ARG, "--distance",
-                            "is needed; %s has %d calibrations with %s, at %g mm and others",
+                            "is needed; %s has %d calibrations with %s, one of them for %g mm",
                             f->lens->file.name, n, f->printer->file.name, c->distance_mm);
     const double wanted = is_given(f->given, "distance") ? optics->distance_mm : c->distance_mm;
     const bool is_same = fabs(wanted - c->distance_mm) <= SAME_MM;
     if (!is_same && !(optics->thickness_mm > 0))
-        return lf_error_set(f->err, LF_E_ARG, "--distance",
-                            "%g mm: %s was measured at %g mm, and its thickness is unknown; add "
-                            "--thickness",
-                            wanted, f->lens->file.name, c->distance_mm);
+        return lf_error_set(
+            f->err, LF_E_ARG, "--distance",
+            "%g mm: %s was measured at %g mm, and its thickness is unknown; give the "
+            "thickness, too",
+            wanted, f->lens->file.name, c->distance_mm);
     take_measured(f, c);
     optics->distance_mm = wanted;
     print->lpi = is_same ? c->visual_lpi
@@ -195,9 +196,8 @@ static lf_status compute_pitch(filling *f)
     char what[128];
     if (!(optics->distance_mm > 0))
         return lf_error_set(f->err, LF_E_ARG, "--distance",
-                            "is needed, because %s has no calibration with %s%s; add --distance MM",
-                            lens->file.name, f->printer ? "" : "a printer",
-                            f->printer ? f->printer->file.name : "");
+                            "is needed, because %s has no calibration with %s%s", lens->file.name,
+                            f->printer ? "" : "a printer", f->printer ? f->printer->file.name : "");
     f->print->lpi = lf_profile_pitch(lens->pitch_lpi, 0, optics->distance_mm, optics->thickness_mm,
                                      lf_optics_index(optics));
     snprintf(what, sizeof what, "%.4f lpi computed for %g mm from %g lpi", f->print->lpi,
@@ -275,10 +275,10 @@ lf_status lf_profile_apply(const lf_lens_profile *lens, const lf_printer_profile
     *told = (lf_profile_told){0};
     if (!lens && !is_given(given, "lpi"))
         return lf_error_set(err, LF_E_ARG, "--printer",
-                            "the pitch is unknown; add --lens NAME or --print LPI@DPI");
+                            "the pitch is unknown; name a lens, or give the pitch");
     if (!printer && !is_given(given, "dpi"))
         return lf_error_set(err, LF_E_ARG, "--lens",
-                            "the raster is unknown; add --printer NAME or --print LPI@DPI");
+                            "the raster is unknown; name a printer, or give the dpi");
     if (lens) {
         take_sheet(&f);
         lf_status status = take_pitch(&f);
@@ -347,15 +347,34 @@ json_t *lf_profile_account(const lf_lens_profile *lens, const lf_printer_profile
                      "warnings", lines_of(&told->warnings));
 }
 
-lf_status lf_profiles_read(const lf_profile_names *names, const lf_roots *roots, lf_profiles *out,
+lf_status lf_profiles_open(const lf_profile_names *names, const lf_roots *roots,
+                           const lf_print_given *given, lf_print *print, lf_profiles *out,
                            lf_error *err)
 {
+    const lf_lens_profile *lens = names->lens ? &out->lens : NULL;
+    const lf_printer_profile *printer = names->printer ? &out->printer : NULL;
     lf_status status = LF_OK;
-    out->has_lens = names->lens;
-    out->has_printer = names->printer;
-    if (names->lens)
+    if (!lens && !printer)
+        return LF_OK;
+    if (lens)
         status = lf_profile_lens_read(names->lens, roots, &out->lens, err);
-    if (status == LF_OK && names->printer)
+    if (status == LF_OK && printer)
         status = lf_profile_printer_read(names->printer, roots, &out->printer, err);
-    return status;
+    if (status == LF_OK)
+        status = lf_profile_apply(lens, printer, given, print, &out->told, err);
+    if (status != LF_OK)
+        return status;
+    out->account = lf_profile_account(lens, printer, &out->told);
+    if (!out->account)
+        return lf_error_set(err, LF_E_NOMEM, "profiles", "out of memory");
+    print->profiles = out->account;
+    if (printer && print->icc_path == printer->icc && !lf_profile_is_path(names->printer))
+        print->icc_roots = NULL;
+    return LF_OK;
+}
+
+void lf_profiles_finish(lf_profiles *profiles)
+{
+    json_decref(profiles->account);
+    profiles->account = NULL;
 }

@@ -32,6 +32,11 @@ bool lf_profile_is_name(const char *text)
     return true;
 }
 
+bool lf_profile_is_path(const char *name)
+{
+    return strchr(name, '/') || lf_path_has_ending(name, ".json");
+}
+
 /* A path that does not fit is empty. */
 static void put(char out[static PATH_MAX], const char *folder, const char *below)
 {
@@ -61,21 +66,23 @@ lf_status lf_profile_own_folder(lf_profile_kind kind, char out[static PATH_MAX],
                                          "with --folder");
 }
 
-/* The folder of the program that runs; empty if it is unknown. */
-static void program_folder(char out[static PATH_MAX])
+/* The folder above that of the program that runs; empty if it is unknown. */
+static void above_program(char out[static PATH_MAX])
 {
     const ssize_t n = readlink("/proc/self/exe", out, PATH_MAX - 1);
     out[n > 0 ? n : 0] = '\0';
-    char *slash = strrchr(out, '/');
-    if (slash)
-        *slash = '\0';
+    for (int i = 0; i < 2; i++) {
+        char *slash = strrchr(out, '/');
+        if (slash)
+            *slash = '\0';
+    }
 }
 
 /* The folders of a kind in their order; empty names are to be left out. */
 static void list_folders(lf_profile_kind kind, char folders[FOLDERS][PATH_MAX])
 {
     const char *shipped = getenv("QUILTD_PROFILES");
-    char program[PATH_MAX], below[64];
+    char above[PATH_MAX], below[64];
     own_folder(kind, folders[0]);
     snprintf(folders[1], PATH_MAX, "/etc/quiltd/%s", subfolders[kind]);
     folders[2][0] = folders[3][0] = '\0';
@@ -84,11 +91,11 @@ static void list_folders(lf_profile_kind kind, char folders[FOLDERS][PATH_MAX])
         put(folders[2], shipped, below);
         return;
     }
-    program_folder(program);
-    snprintf(below, sizeof below, "/../share/quiltd/%s", subfolders[kind]);
-    put(folders[2], program, below);
-    snprintf(below, sizeof below, "/../profiles/%s", subfolders[kind]);
-    put(folders[3], program, below);
+    above_program(above);
+    snprintf(below, sizeof below, "/share/quiltd/%s", subfolders[kind]);
+    put(folders[2], above, below);
+    snprintf(below, sizeof below, "/profiles/%s", subfolders[kind]);
+    put(folders[3], above, below);
 }
 
 /* -------------------------------------------------------------------------------------- list -- */
@@ -201,7 +208,7 @@ lf_status lf_profile_find(lf_profile_kind kind, const char *name, char out[stati
                           lf_error *err)
 {
     char folders[FOLDERS][PATH_MAX], below[LF_PROFILE_NAME + 8];
-    if (strchr(name, '/') || lf_path_has_ending(name, ".json")) {
+    if (lf_profile_is_path(name)) {
         put(out, name, "");
         return out[0] != '\0' ? LF_OK
                               : lf_error_set(err, LF_E_ARG, "profile", "the path is too long");

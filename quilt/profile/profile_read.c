@@ -354,12 +354,6 @@ lf_status lf_profile_check(lf_profile_kind kind, const json_t *values, const cha
     return status;
 }
 
-/* True if the name is a path, for which the rule of readable paths holds. */
-static bool is_path(const char *name)
-{
-    return strchr(name, '/') || lf_path_has_ending(name, ".json");
-}
-
 /* Fills *words, which the caller frees, and *out_file. */
 static lf_status read_profile(lf_profile_kind kind, const char *name, const lf_roots *roots,
                               lf_profile_words **out, lf_profile_file *out_file, lf_error *err)
@@ -369,7 +363,8 @@ static lf_status read_profile(lf_profile_kind kind, const char *name, const lf_r
     lf_status status = words ? lf_profile_find(kind, name, out_file->path, err)
                              : lf_error_set(err, LF_E_NOMEM, name, "out of memory");
     if (status == LF_OK)
-        status = load(out_file->path, is_path(name) ? roots : NULL, out_file->sha256, &values, err);
+        status = load(out_file->path, lf_profile_is_path(name) ? roots : NULL, out_file->sha256,
+                      &values, err);
     if (status == LF_OK)
         status = fill(kind, values, out_file->path, words, err);
     json_decref(values);

@@ -1,6 +1,6 @@
 /* A print file (TIFF) as a printer would get it: its tags, its colour profile, its rows as linear
  * light, and the manifest beside it. The file may come from anyone. Wrong bytes give LF_E_FORMAT
- * with one line; memory stays bounded by a few rows and one strip, whatever the file says.
+ * with one line; memory stays bounded by a few rows, whatever the file says.
  *
  * Thread: an opened file belongs to one thread, except for lf_print_file_light, which is thread
  * safe. Open the file once per thread to read it in several. */
@@ -11,9 +11,8 @@
 
 #include "base/paths.h"
 
-/* At most this many pixels a side, and this many bytes of a compressed strip in the file. */
+/* At most this many pixels a side. */
 #define LF_PRINT_FILE_MAX_SIDE (1 << 21)
-#define LF_PRINT_FILE_MAX_STRIP ((uint64_t)64 << 20)
 #define LF_PRINT_FILE_MAX_PROFILE ((uint64_t)16 << 20)
 #define LF_PRINT_FILE_MAX_MANIFEST ((uint64_t)4 << 20)
 

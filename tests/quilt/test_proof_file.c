@@ -47,7 +47,7 @@ static lf_printed printed_of(const lf_print *print)
     return printed;
 }
 
-/* -------------------------------------------------------------------------------- our prints -- */
+/* ------------------------------------------------------------------------------- our prints -- */
 
 static void assert_row(lf_print_file *file, const lf_printed *printed, int y)
 {
@@ -111,7 +111,7 @@ static void reads_every_file_that_is_written(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------- files of others -- */
+/* -------------------------------------------------------------------------- files of others -- */
 
 typedef struct other {
     const char *mode;
@@ -230,7 +230,7 @@ static void cmyk_without_a_profile_is_ideal_inks(void **state)
     lf_print_file_close(file);
 }
 
-/* ---------------------------------------------------------------------------------- profiles -- */
+/* --------------------------------------------------------------------------------- profiles -- */
 
 static const char *save_profile(const char *name, cmsHPROFILE profile)
 {
@@ -344,7 +344,7 @@ static void a_printers_profile_is_read_through_its_table(void **state)
     lf_free(icc);
 }
 
-/* ----------------------------------------------------------------------------- damaged files -- */
+/* ---------------------------------------------------------------------------- damaged files -- */
 
 /* Opens and reads all rows; errors have a text. True: no error. */
 static bool survives(const char *path)
@@ -436,7 +436,7 @@ static void files_that_lie_about_their_size_are_refused(void **state)
                      LF_E_IO, &err);
 }
 
-/* ---------------------------------------------------------------------------------- manifest -- */
+/* --------------------------------------------------------------------------------- manifest -- */
 
 static void the_manifest_lies_beside_the_print(void **state)
 {

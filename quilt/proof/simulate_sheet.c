@@ -1,0 +1,119 @@
+/* The sheet that a print lies under. */
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+
+#include "quilt/profiles.h"
+#include "quilt/proof/simulate.h"
+
+#define MM_PER_INCH 25.4
+#define RADIANS (3.14159265358979323846 / 180.0)
+
+static double spot_of(const lf_print *print, int n_views)
+{
+    return print->blur.spot_mm > 0.0 ? print->blur.spot_mm
+                                     : 0.5 * MM_PER_INCH / print->lpi / n_views;
+}
+
+static int views_of(const lf_print *print)
+{
+    const double dpi = print->horizontal && print->dpi_down > 0.0 ? print->dpi_down : print->dpi;
+    const int usual = (int)floor(0.8 * dpi / print->lpi);
+    return print->n_views > 0 ? print->n_views : usual > 2 ? usual : 2;
+}
+
+void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_notes *notes)
+{
+    const lf_optics *o = &print->optics;
+    const double slant = o->slant * RADIANS, visual_mm = MM_PER_INCH / print->lpi;
+    const double index = lf_optics_index(o);
+    const double angle = o->angle > 0.0 ? o->angle : LF_PROOF_ANGLE;
+    const double thickness =
+        o->thickness_mm > 0.0 ? o->thickness_mm : lf_profile_thickness(print->lpi, angle, index);
+    const double distance = o->distance_mm > 0.0 ? o->distance_mm : LF_PROOF_DISTANCE;
+    const double row = o->grid == LF_LENS_HEXAGONAL ? sqrt(0.75) : 1.0;
+    if (o->thickness_mm <= 0.0)
+        lf_image_note(
+            notes,
+            "the sheet's thickness is not known; %.3g mm is %s viewing angle of %.3g degrees",
+            thickness, o->angle > 0.0 ? "from its" : "for a usual", angle);
+    if (o->distance_mm <= 0.0)
+        lf_image_note(
+            notes,
+            "the viewing distance is not known; the pitch is taken to be measured from %.3g mm",
+            distance);
+    const int n_views = views_of(print);
+    *out = (lf_proof_sheet){
+        .pitch_mm = visual_mm / (1.0 + thickness / (index * distance)),
+        .right = print->horizontal ? -sin(slant) : cos(slant),
+        .down = print->horizontal ? cos(slant) : sin(slant),
+        .horizontal = print->horizontal,
+        .grid = o->grid,
+        .offset = print->phase_mm / visual_mm,
+        .offset_down = o->phase_down_mm / (visual_mm * row),
+        .thickness_mm = thickness,
+        .index = index,
+        .distance_mm = distance,
+        .spot_mm = spot_of(print, n_views),
+        .ink_mm = print->blur.ink_mm,
+        .width_mm = print->width_mm,
+        .height_mm = print->height_mm,
+        .mirror = print->mirror,
+        .pixel_mm = {MM_PER_INCH / print->dpi,
+                     MM_PER_INCH / (print->dpi_down > 0.0 ? print->dpi_down : print->dpi)},
+        .n_views = n_views,
+    };
+}
+
+double lf_proof_view_range(const lf_proof_sheet *sheet, double distance_mm)
+{
+    const double visual =
+        sheet->pitch_mm * (1.0 + sheet->thickness_mm / (sheet->index * distance_mm));
+    return visual * sheet->index * distance_mm / sheet->thickness_mm;
+}
+
+double lf_proof_view_step(const lf_proof_sheet *sheet, double distance_mm)
+{
+    return lf_proof_view_range(sheet, distance_mm) / sheet->n_views;
+}
+
+/* --------------------------------------------------------------------------------- manifest -- */
+
+/* Raster and size as the file has them. */
+static void from_tags(const lf_print_tags *tags, lf_print *out)
+{
+    out->dpi = tags->dpi[0];
+    out->dpi_down = tags->dpi[1] != tags->dpi[0] ? tags->dpi[1] : 0.0;
+    out->width_mm = tags->dpi[0] > 0.0 ? tags->width * MM_PER_INCH / tags->dpi[0] : 0.0;
+    out->height_mm = tags->dpi[1] > 0.0 ? tags->height * MM_PER_INCH / tags->dpi[1] : 0.0;
+}
+
+static lf_status check_raster(const json_t *manifest, const lf_print_tags *tags, const char *where,
+                              lf_error *err)
+{
+    const json_t *raster = json_object_get(json_object_get(manifest, "size"), "raster_px");
+    const json_int_t width = json_integer_value(json_array_get(raster, 0)),
+                     height = json_integer_value(json_array_get(raster, 1));
+    if (!json_is_array(raster) || (width == tags->width && height == tags->height))
+        return LF_OK;
+    return lf_error_set(err, LF_E_FORMAT, where,
+                        "has %dx%d pixels, but its manifest says %lldx%lld; something resized it",
+                        tags->width, tags->height, (long long)width, (long long)height);
+}
+
+lf_status lf_proof_print_of(const lf_print_file *file, const json_t *manifest, const char *where,
+                            lf_print *out, lf_error *err)
+{
+    const lf_print_tags *tags = lf_print_file_tags(file);
+    const json_t *options = json_object_get(manifest, "options");
+    lf_param_defaults(lf_print_params, out);
+    from_tags(tags, out);
+    if (json_object_get(manifest, "chart"))
+        return lf_error_set(err, LF_E_FORMAT, where, "is a chart; it has no views to simulate");
+    if (!options)
+        return LF_OK;
+    lf_status status = check_raster(manifest, tags, where, err);
+    if (status == LF_OK && lf_param_from_json(lf_print_params, options, out, where, err) != LF_OK)
+        status = LF_E_FORMAT;
+    return status;
+}
