@@ -262,7 +262,7 @@ static void put_points(lf_pdf *pdf, double *y, const lf_print_report *report)
         snprintf(line, sizeof line, "%d", i + 1);
         lf_pdf_text(pdf, LEFT, *y, 8.5, false, 0.35, line);
         lf_pdf_text(pdf, LEFT + 16.0, *y, 8.5, bad, 0.0, lf_check_result_name(at->result));
-        lf_pdf_text(pdf, LEFT + 44.0, *y, 8.5, bad, 0.0, lf_check_point_name(i));
+        lf_pdf_text(pdf, LEFT + 48.0, *y, 8.5, bad, 0.0, lf_check_point_name(i));
         put(pdf, LEFT + 158.0, *y, 8.5, false, at->remedy[0] && bad ? at->remedy : at->measured);
         *y -= 12.0;
     }
