@@ -15,8 +15,8 @@ struct lf_eyes {
     int n_views, view_width, view_height;
     lf_tone *tone;
     lf_interlacer *interlacer;
-    lf_optics *optics[LF_EYES]; /* pairs of an eye and the one a view further right */
-    uint8_t *views;             /* [row][view][column][3] */
+    lf_sim_optics *optics[LF_EYES]; /* pairs of an eye and the one a view further right */
+    uint8_t *views;                 /* [row][view][column][3] */
     lf_image8 panel, seen[LF_EYES];
     float to_linear[256];
     size_t n; /* floats of one eye's picture */

@@ -11,8 +11,7 @@
 #include "base/log.h"
 #include "daemon/tools/print_profiles_internal.h"
 
-/* --------------------------------------------------------------------------------------- list --
- */
+/* -------------------------------------------------------------------------------------- list -- */
 
 /* "60 lpi, 0.6 mm, 54 degrees" */
 static void describe_lens(const lf_lens_profile *lens, char *out, size_t size)
@@ -98,8 +97,7 @@ lf_status lf_profiles_list(const lf_profiles_command *command, lf_error *err)
                : status;
 }
 
-/* --------------------------------------------------------------------------------------- show --
- */
+/* -------------------------------------------------------------------------------------- show -- */
 
 static void show_text(const char *text)
 {

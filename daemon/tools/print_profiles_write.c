@@ -26,8 +26,7 @@
 static const char *const versions[] = {"quiltd_lens", "quiltd_printer"};
 static const char *const subfolders[] = {"lenses", "printers"};
 
-/* -------------------------------------------------------------------------------------- places --
- */
+/* ------------------------------------------------------------------------------------ places -- */
 
 static bool kind_of_word(const char *word, lf_profile_kind *out)
 {
@@ -103,8 +102,7 @@ lf_status profile_place_of(const lf_profiles_command *command, profile_place *ou
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------- writing --
- */
+/* ----------------------------------------------------------------------------------- writing -- */
 
 /* Makes a folder and those above it. */
 static lf_status make_folder(const char *folder, lf_error *err)
@@ -161,8 +159,7 @@ static lf_status write_profile(const lf_profiles_command *command, lf_profile_ki
     return status;
 }
 
-/* ---------------------------------------------------------------------------------- KEY=VALUE --
- */
+/* --------------------------------------------------------------------------------- KEY=VALUE -- */
 
 static const lf_param *row_of(const lf_param *rows, const char *key)
 {
@@ -267,8 +264,7 @@ lf_status lf_profiles_set(const lf_profiles_command *command, lf_error *err)
     return status;
 }
 
-/* -------------------------------------------------------------------------------- calibrating --
- */
+/* ------------------------------------------------------------------------------- calibrating -- */
 
 /* Copies what a calibration keeps from the reading of a chart. */
 static lf_status take_reading(const char *path, json_t *out, lf_error *err)
@@ -417,8 +413,7 @@ lf_status lf_profiles_calibrate(const lf_profiles_command *command, lf_error *er
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- removing --
- */
+/* ---------------------------------------------------------------------------------- removing -- */
 
 lf_status lf_profiles_remove(const lf_profiles_command *command, lf_error *err)
 {

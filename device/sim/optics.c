@@ -17,7 +17,7 @@ typedef struct glow {
     float seen; /* 0 if the strip is outside the panel */
 } glow;
 
-struct lf_optics {
+struct lf_sim_optics {
     /* immutable after create; lengths in mm */
     int screen_width, screen_height;
     double pixel_mm, lens_mm;
@@ -49,7 +49,7 @@ static double linear_to_srgb(double v)
 
 /* Positions of a pixel's three emitters. Plain stripes are a third of a pixel apart, and the
  * calibration measures from the first one. */
-static void place_emitters(lf_optics *o, const lf_calibration *c)
+static void place_emitters(lf_sim_optics *o, const lf_calibration *c)
 {
     o->pattern = c->n_cells > 0 ? c->cell_pattern_mode : 0;
     o->n_cells = c->n_cells > 0 ? c->n_cells : 1;
@@ -71,7 +71,7 @@ static void place_emitters(lf_optics *o, const lf_calibration *c)
     }
 }
 
-static void place_lenses(lf_optics *o, const lf_calibration *c, double eye_deg)
+static void place_lenses(lf_sim_optics *o, const lf_calibration *c, double eye_deg)
 {
     double lean = atan(1 / c->slope) * (c->flip_image_x ? -1 : 1);
     o->pixel_mm = MM_PER_INCH / c->dpi;
@@ -89,7 +89,7 @@ static void place_lenses(lf_optics *o, const lf_calibration *c, double eye_deg)
     o->reach_px = fmin(fmax(fabs(c->slope), 2), 8);
 }
 
-static void make_tables(lf_optics *o)
+static void make_tables(lf_sim_optics *o)
 {
     for (int i = 0; i < 256; i++)
         o->linear[i] = (float)srgb_to_linear(i / 255.0);
@@ -97,7 +97,8 @@ static void make_tables(lf_optics *o)
         o->encoded[i] = (uint8_t)lrint(255 * linear_to_srgb((double)i / (N_ENCODE - 1)));
 }
 
-lf_status lf_optics_create(const lf_calibration *c, double eye_deg, lf_optics **out, lf_error *err)
+lf_status lf_optics_create(const lf_calibration *c, double eye_deg, lf_sim_optics **out,
+                           lf_error *err)
 {
     double lens_px = c->dpi / c->pitch;
     if (!(lens_px >= 2 && lens_px <= c->screen_width_px && fabs(c->slope) >= 1))
@@ -105,7 +106,7 @@ lf_status lf_optics_create(const lf_calibration *c, double eye_deg, lf_optics **
             err, LF_E_ARG, "calibration",
             "the pixels of the panel are too coarse for a lens of %g pixels with slope %g", lens_px,
             c->slope);
-    lf_optics *o = lf_calloc(1, sizeof *o);
+    lf_sim_optics *o = lf_calloc(1, sizeof *o);
     if (!o)
         goto fail;
     o->screen_width = c->screen_width_px;
@@ -126,7 +127,7 @@ fail:
     return lf_error_set(err, LF_E_NOMEM, "optics", "out of memory");
 }
 
-void lf_optics_destroy(lf_optics *optics)
+void lf_optics_destroy(lf_sim_optics *optics)
 {
     if (!optics)
         return;
@@ -134,14 +135,14 @@ void lf_optics_destroy(lf_optics *optics)
     lf_free(optics);
 }
 
-void lf_optics_size(const lf_optics *optics, int *out_width, int *out_height)
+void lf_optics_size(const lf_sim_optics *optics, int *out_width, int *out_height)
 {
     *out_width = optics->width;
     *out_height = optics->height;
 }
 
 /* The cell of a pixel; y from the bottom. */
-static int cell_of(const lf_optics *o, int x, int y)
+static int cell_of(const lf_sim_optics *o, int x, int y)
 {
     int n = 0;
     switch (o->pattern) {
@@ -180,8 +181,8 @@ static float spot(double distance_px)
 
 /* Adds the light of one colour's emitters in panel row y (from the bottom) near the line
  * `across_px` = x nx + y ny. */
-static void gather_row(const lf_optics *o, const uint8_t *row, int y, int colour, double across_px,
-                       float row_weight, float *sum, float *weight)
+static void gather_row(const lf_sim_optics *o, const uint8_t *row, int y, int colour,
+                       double across_px, float row_weight, float *sum, float *weight)
 {
     double x_line = (across_px - (y + 0.5) * o->normal[1]) / o->normal[0] - 0.5;
     int first = (int)floor(x_line - o->rightmost_px[colour]);
@@ -198,7 +199,7 @@ static void gather_row(const lf_optics *o, const uint8_t *row, int y, int colour
 }
 
 /* The light of lens `lens` towards the eye at height_px above the panel's lower edge. */
-static glow look_through(const lf_optics *o, const lf_image8 *panel, int lens, double height_px)
+static glow look_through(const lf_sim_optics *o, const lf_image8 *panel, int lens, double height_px)
 {
     double strip_px = (o->first_mm + (lens + 0.5) * o->lens_mm + o->strip_mm) / o->pixel_mm;
     /* A lens displaces at right angles to its axis, so the strip is a little higher or lower. */
@@ -218,14 +219,14 @@ static glow look_through(const lf_optics *o, const lf_image8 *panel, int lens, d
     return g;
 }
 
-static uint8_t encode(const lf_optics *o, float linear)
+static uint8_t encode(const lf_sim_optics *o, float linear)
 {
     int i = (int)(linear * (N_ENCODE - 1) + 0.5f);
     return o->encoded[i < 0 ? 0 : i >= N_ENCODE ? N_ENCODE - 1 : i];
 }
 
 /* The eye does not resolve single lenses, so the image is interpolated from axis to axis. */
-static void mix_lenses(const lf_optics *o, const glow *left, const glow *right, float to_right,
+static void mix_lenses(const lf_sim_optics *o, const glow *left, const glow *right, float to_right,
                        uint8_t *out)
 {
     float a = left->seen * (1 - to_right), b = right->seen * to_right;
@@ -236,13 +237,13 @@ static void mix_lenses(const lf_optics *o, const glow *left, const glow *right, 
 }
 
 /* The position in lenses, with fraction, over a point of the panel. */
-static double axis_at(const lf_optics *o, double x_px, double y_px)
+static double axis_at(const lf_sim_optics *o, double x_px, double y_px)
 {
     double across_mm = (x_px * o->normal[0] + y_px * o->normal[1]) * o->pixel_mm;
     return (across_mm - o->first_mm) / o->lens_mm - 0.5;
 }
 
-void lf_optics_view(lf_optics *o, const lf_image8 *panel, lf_image8 *out)
+void lf_optics_view(lf_sim_optics *o, const lf_image8 *panel, lf_image8 *out)
 {
     assert(panel->width == o->screen_width && panel->height == o->screen_height &&
            panel->channels == 3);

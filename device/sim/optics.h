@@ -16,19 +16,19 @@
 #include "base/calibration.h"
 #include "base/image.h"
 
-typedef struct lf_optics lf_optics;
+typedef struct lf_sim_optics lf_sim_optics;
 
 /* eye_deg: horizontal angle of the eye from the panel's normal, positive = to the right. LF_E_ARG:
  * the panel cannot resolve the lens: it is narrower than two pixels, wider than the panel, or
  * nearer to horizontal than to vertical. On LF_OK the caller owns *out. */
 LF_NODISCARD lf_status lf_optics_create(const lf_calibration *calibration, double eye_deg,
-                                        lf_optics **out, lf_error *err);
+                                        lf_sim_optics **out, lf_error *err);
 /* Accepts NULL. */
-void lf_optics_destroy(lf_optics *optics);
+void lf_optics_destroy(lf_sim_optics *optics);
 /* Size of the seen image: two pixels per lens width, square pixels. */
-void lf_optics_size(const lf_optics *optics, int *out_width, int *out_height);
+void lf_optics_size(const lf_sim_optics *optics, int *out_width, int *out_height);
 /* panel: the calibration's screen size, 3 channels. out: the size above, 3 channels. Both are sRGB
  * encoded; light is mixed linearly. Uses scratch memory of the object: one thread at a time. */
-void lf_optics_view(lf_optics *optics, const lf_image8 *panel, lf_image8 *out);
+void lf_optics_view(lf_sim_optics *optics, const lf_image8 *panel, lf_image8 *out);
 
 #endif

@@ -46,7 +46,7 @@ struct lf_sim_writer {
 
     /* writer thread only */
     lf_sim_log log;
-    lf_optics *optics; /* NULL: this calibration cannot be simulated */
+    lf_sim_optics *optics; /* NULL: this calibration cannot be simulated */
     lf_image8 snapshot, view, quilt;
     uint64_t snapshot_generation;
 

@@ -48,7 +48,7 @@ void lf_pdf_abandon(lf_pdf *pdf);
 /* True if the page's profile is a printer's, so that the file states PDF/X-4. */
 bool lf_pdf_page_is_x(const lf_pdf_page *page);
 
-/* ------------------------------------------------------------------------ text, rectangles -- */
+/* -------------------------------------------------------------------------- text, rectangles -- */
 
 /* One line of text whose baseline starts at x, y. UTF-8; what Latin-1 lacks becomes '?'. size: of
  * the font, in points. grey: 0 black to 1 white. Errors are kept for close. */

@@ -29,7 +29,7 @@ struct lf_print_file {
     int next_row; /* that the strip decodes next; -1: a strip must be begun */
 };
 
-/* ---------------------------------------------------------------------------------- opening -- */
+/* ----------------------------------------------------------------------------------- opening -- */
 
 /* Static text, or NULL. */
 static const char *what_is_unreadable(const lf_print_tags *t)
@@ -130,7 +130,7 @@ void lf_print_file_close(lf_print_file *file)
     lf_free(file);
 }
 
-/* ------------------------------------------------------------------------------------ facts -- */
+/* ------------------------------------------------------------------------------------- facts -- */
 
 const lf_print_tags *lf_print_file_tags(const lf_print_file *file)
 {
@@ -164,7 +164,7 @@ size_t lf_print_file_raw_bytes(const lf_print_file *file)
     return (size_t)t->width * (size_t)t->samples * (size_t)t->bits / 8;
 }
 
-/* ------------------------------------------------------------------------------------- rows -- */
+/* -------------------------------------------------------------------------------------- rows -- */
 
 /* Undoes the horizontal predictor: each sample is stored as its difference from the one before. */
 static void undo_predictor(const lf_print_tags *t, void *row)
@@ -240,7 +240,7 @@ lf_status lf_print_file_row(lf_print_file *file, int y, float *out, lf_error *er
     return status;
 }
 
-/* --------------------------------------------------------------------------------- manifest -- */
+/* ---------------------------------------------------------------------------------- manifest -- */
 
 /* "sheet.json" for "sheet.tif"; the caller frees. NULL: out of memory. */
 static char *manifest_name(const char *path)

@@ -32,7 +32,7 @@ static int levels(const lf_print_light *light)
     return light->bits == 16 ? 65536 : 256;
 }
 
-/* --------------------------------------------------------------------------------- profiles -- */
+/* ---------------------------------------------------------------------------------- profiles -- */
 
 static cmsHPROFILE linear_rec709(cmsContext context)
 {
@@ -83,7 +83,7 @@ static void make_transform(lf_print_light *light, const void *icc, size_t size)
         snprintf(light->problem, sizeof light->problem, "not a usable ICC profile");
 }
 
-/* ------------------------------------------------------------------------------------ table -- */
+/* ------------------------------------------------------------------------------------- table -- */
 
 static double srgb_to_linear(double v)
 {
@@ -194,7 +194,7 @@ const char *lf_print_light_problem(const lf_print_light *light)
     return light->transform ? NULL : light->problem;
 }
 
-/* ------------------------------------------------------------------------------- conversion -- */
+/* -------------------------------------------------------------------------------- conversion -- */
 
 static unsigned stored(const lf_print_light *light, const void *raw, size_t i)
 {

@@ -41,7 +41,7 @@ static bool fill(lf_strip *strip)
     return true;
 }
 
-/* -------------------------------------------------------------------------------------- LZW -- */
+/* --------------------------------------------------------------------------------------- LZW -- */
 
 static void lzw_reset(lzw *z)
 {
@@ -138,7 +138,7 @@ static bool lzw_read(lf_strip *strip, uint8_t *out, size_t n)
     return true;
 }
 
-/* ---------------------------------------------------------------------------- the other two -- */
+/* ----------------------------------------------------------------------------- the other two -- */
 
 static bool zip_read(lf_strip *strip, uint8_t *out, size_t n)
 {
@@ -167,7 +167,7 @@ static bool plain_read(lf_strip *strip, uint8_t *out, size_t n)
     return true;
 }
 
-/* ----------------------------------------------------------------------------------- public -- */
+/* ------------------------------------------------------------------------------------ public -- */
 
 lf_status lf_strip_create(const lf_tiff *tiff, lf_strip **out)
 {

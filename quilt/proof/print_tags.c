@@ -79,7 +79,7 @@ bool lf_tiff_element(const lf_tiff *tiff, const lf_tiff_list *list, uint64_t i, 
     return true;
 }
 
-/* ---------------------------------------------------------------------------------- entries -- */
+/* ----------------------------------------------------------------------------------- entries -- */
 
 /* Bytes of a value of a TIFF type; 0: unknown. */
 static int bytes_of(int type)
@@ -210,7 +210,7 @@ static bool take(lf_tiff *tiff, const entry *e)
     }
 }
 
-/* -------------------------------------------------------------------------------- directory -- */
+/* --------------------------------------------------------------------------------- directory -- */
 
 static lf_status read_head(lf_tiff *tiff, uint64_t *out_directory, lf_error *err)
 {
@@ -264,7 +264,7 @@ static lf_status read_directory(lf_tiff *tiff, uint64_t at, lf_error *err)
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------ sense -- */
+/* ------------------------------------------------------------------------------------- sense -- */
 
 static void set_dpi(lf_print_tags *t)
 {

@@ -41,7 +41,7 @@ typedef struct sight {
     size_t raw_bytes; /* of a pixel */
 } sight;
 
-/* ----------------------------------------------------------------------------------- optics -- */
+/* ------------------------------------------------------------------------------------ optics -- */
 
 static double row_pitch(const lf_proof_sheet *sheet)
 {
@@ -80,7 +80,7 @@ static bool fill_places(sight *s, int y)
     return floor(high + half) >= ceil(low - half);
 }
 
-/* ---------------------------------------------------------------------------------- deposit -- */
+/* ----------------------------------------------------------------------------------- deposit -- */
 
 static void add(sight *s, int lens, int along, double weight, const float light[3])
 {
@@ -175,7 +175,7 @@ static lf_status see_row(sight *s, lf_print_file *file, int y, lf_error *err)
     return LF_OK;
 }
 
-/* ----------------------------------------------------------------------------------- set-up -- */
+/* ------------------------------------------------------------------------------------ set-up -- */
 
 /* The lenses and parts that the seen rectangle needs. */
 static lf_status lay_out(const sight *s, int n_along, lf_error *err)

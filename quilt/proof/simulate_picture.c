@@ -30,7 +30,7 @@ static const float *light_at(const lf_proof_light *light, int along, int lens)
     return light->light + 3 * ((size_t)along * (size_t)light->n + (size_t)lens);
 }
 
-/* --------------------------------------------------------------------------- upright lenses -- */
+/* ---------------------------------------------------------------------------- upright lenses -- */
 
 /* Pixels of the picture across the lenses are the mean of the lenses that they cover. */
 static void compose_straight(const lf_proof_sheet *sheet, const lf_proof_light *light,
@@ -58,7 +58,7 @@ static void compose_straight(const lf_proof_sheet *sheet, const lf_proof_light *
     }
 }
 
-/* --------------------------------------------------------------------------- the other ones -- */
+/* ---------------------------------------------------------------------------- the other ones -- */
 
 /* The light of the lens over a point of the sheet. */
 static const float *light_over(const lf_proof_sheet *sheet, const lf_proof_light *light, double x,

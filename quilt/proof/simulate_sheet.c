@@ -77,7 +77,7 @@ double lf_proof_view_step(const lf_proof_sheet *sheet, double distance_mm)
     return lf_proof_view_range(sheet, distance_mm) / sheet->n_views;
 }
 
-/* --------------------------------------------------------------------------------- manifest -- */
+/* ---------------------------------------------------------------------------------- manifest -- */
 
 /* Raster and size as the file has them. */
 static void from_tags(const lf_print_tags *tags, lf_print *out)

@@ -88,7 +88,7 @@ static match match_block(const view *a, const view *b, int i0, int line0, double
     return MATCHED;
 }
 
-/* ----------------------------------------------------------------------------------- blocks -- */
+/* ------------------------------------------------------------------------------------ blocks -- */
 
 static void note_cut(lf_proof_depth *d, bool horizontal, int column, int row, double shift)
 {
@@ -185,7 +185,7 @@ void lf_proof_depth_finish(lf_proof_depth *depth)
     *depth = (lf_proof_depth){0};
 }
 
-/* ------------------------------------------------------------------------------------ marks -- */
+/* ------------------------------------------------------------------------------------- marks -- */
 
 static bool is_over(const lf_proof_depth *d, const lf_image32 *image, int x, int y)
 {

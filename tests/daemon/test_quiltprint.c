@@ -278,8 +278,7 @@ static void a_bad_profile_is_told_and_the_rest_listed(void **state)
          "bad.json: /pitch_lp: unknown"); /* nothing is lost unseen */
 }
 
-/* --------------------------------------------------------------------------------- quiltrender --
- */
+/* ------------------------------------------------------------------------------- quiltrender -- */
 
 static int render(const char *folder, const char *words)
 {

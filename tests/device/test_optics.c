@@ -57,7 +57,7 @@ typedef struct seen {
 static seen look(const lf_calibration *c, double eye_deg, const lf_image8 *panel)
 {
     lf_error err = {0};
-    lf_optics *optics = NULL;
+    lf_sim_optics *optics = NULL;
     lf_assert_ok(lf_optics_create(c, eye_deg, &optics, &err), &err);
     lf_image8 view = {0};
     int width, height;
@@ -243,7 +243,7 @@ static void picture_stays_in_its_place(void **state)
     (void)state;
     lf_calibration c = small_panel();
     lf_image8 panel, view;
-    lf_optics *optics = NULL;
+    lf_sim_optics *optics = NULL;
     int width, height;
     assert_int_equal(lf_image8_init(&panel, WIDTH, HEIGHT, 3), LF_OK);
     for (int y = 0; y < HEIGHT / 4; y++)
@@ -269,7 +269,7 @@ static void picture_stays_in_its_place(void **state)
 static void lenses_that_cannot_be_resolved_are_refused(void **state)
 {
     (void)state;
-    lf_optics *optics = NULL;
+    lf_sim_optics *optics = NULL;
     lf_error err = {0};
     lf_calibration c = small_panel();
     c.pitch = 300;

@@ -133,5 +133,5 @@ void lf_pdf_read_finish(lf_pdf_read *pdf)
 
 int lf_pdf_read_has(const lf_pdf_read *pdf, const char *text)
 {
-    return memmem(pdf->bytes, pdf->size, text, strlen(text)) != NULL;
+    return memmem(pdf->bytes, pdf->size, text, strlen(text)) ? 1 : 0;
 }

@@ -10,8 +10,7 @@
 static lf_lens_profile lens; /* large */
 static lf_printer_profile printer;
 
-/* ------------------------------------------------------------------------------------- reading --
- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static lf_status read_lens(const char *folder, const char *text, lf_error *err)
 {
@@ -198,8 +197,7 @@ static void a_printer_is_read(void **state)
     assert_non_null(strstr(err.what, "is the profile of a lens"));
 }
 
-/* --------------------------------------------------------------------------------------- names --
- */
+/* ------------------------------------------------------------------------------------- names -- */
 
 static void the_first_folder_wins(void **state)
 {

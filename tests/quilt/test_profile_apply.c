@@ -11,8 +11,7 @@ static lf_lens_profile lens; /* large */
 static lf_printer_profile printer;
 static lf_profile_told told;
 
-/* --------------------------------------------------------------------------------------- pitch --
- */
+/* ------------------------------------------------------------------------------------- pitch -- */
 
 static void the_pitch_at_a_distance_is_that_of_the_closed_form(void **state)
 {
@@ -44,8 +43,7 @@ static void thickness_and_angle_belong_together(void **state)
     assert_true(lf_profile_angle(10, 0.01, 1.56) == 180);
 }
 
-/* --------------------------------------------------------------------------------------- apply --
- */
+/* ------------------------------------------------------------------------------------- apply -- */
 
 static lf_lens_calibration measured(const char *with, double lpi, double distance_mm)
 {
@@ -313,8 +311,7 @@ static void profiles_are_accounted_for(void **state)
     lf_free(profiles);
 }
 
-/* ------------------------------------------------------------------------------------- shipped --
- */
+/* ----------------------------------------------------------------------------------- shipped -- */
 
 static bool has_source(const json_t *profile, const char *key)
 {

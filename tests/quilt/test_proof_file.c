@@ -47,7 +47,7 @@ static lf_printed printed_of(const lf_print *print)
     return printed;
 }
 
-/* ------------------------------------------------------------------------------- our prints -- */
+/* -------------------------------------------------------------------------------- our prints -- */
 
 static void assert_row(lf_print_file *file, const lf_printed *printed, int y)
 {
@@ -111,7 +111,7 @@ static void reads_every_file_that_is_written(void **state)
     }
 }
 
-/* -------------------------------------------------------------------------- files of others -- */
+/* --------------------------------------------------------------------------- files of others -- */
 
 typedef struct other {
     const char *mode;
@@ -174,8 +174,8 @@ static void assert_other(const other *o)
     lf_error err;
     lf_assert_ok(lf_print_file_open(path, NULL, &file, &err), &err);
     const lf_print_tags *tags = lf_print_file_tags(file);
-    assert_int_equal(tags->big, strchr(o->mode, '8') != NULL);
-    assert_int_equal(tags->big_endian, strchr(o->mode, 'b') != NULL);
+    assert_int_equal(tags->big, strchr(o->mode, '8') ? 1 : 0);
+    assert_int_equal(tags->big_endian, strchr(o->mode, 'b') ? 1 : 0);
     assert_true(tags->dpi[0] == (o->unit == 3 ? 508.0 : o->unit == 2 ? 200.0 : 0.0));
     assert_true(tags->dpi[1] == (o->unit == 3 ? 254.0 : o->unit == 2 ? 100.0 : 0.0));
     if (o->unreadable) {
@@ -230,7 +230,7 @@ static void cmyk_without_a_profile_is_ideal_inks(void **state)
     lf_print_file_close(file);
 }
 
-/* --------------------------------------------------------------------------------- profiles -- */
+/* ---------------------------------------------------------------------------------- profiles -- */
 
 static const char *save_profile(const char *name, cmsHPROFILE profile)
 {
@@ -344,7 +344,7 @@ static void a_printers_profile_is_read_through_its_table(void **state)
     lf_free(icc);
 }
 
-/* ---------------------------------------------------------------------------- damaged files -- */
+/* ----------------------------------------------------------------------------- damaged files -- */
 
 /* Opens and reads all rows; errors have a text. True: no error. */
 static bool survives(const char *path)
@@ -436,7 +436,7 @@ static void files_that_lie_about_their_size_are_refused(void **state)
                      LF_E_IO, &err);
 }
 
-/* --------------------------------------------------------------------------------- manifest -- */
+/* ---------------------------------------------------------------------------------- manifest -- */
 
 static void the_manifest_lies_beside_the_print(void **state)
 {

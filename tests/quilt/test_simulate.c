@@ -24,7 +24,7 @@ static int remove_folder(void **state)
     return 0;
 }
 
-/* ------------------------------------------------------------------------------- the oracle -- */
+/* -------------------------------------------------------------------------------- the oracle -- */
 
 typedef struct sheet {
     double lpi, distance, thickness, index; /* visual pitch from the distance */
@@ -84,7 +84,7 @@ static double part_light(const lf_printed *p, const lf_print *print, const sheet
     return sum / N;
 }
 
-/* ------------------------------------------------------------------------------- the prints -- */
+/* -------------------------------------------------------------------------------- the prints -- */
 
 /* Smooth along the lenses, any value from view to view and from lens to lens. */
 static float waves(const void *context, int view, int row, int column, int c)
@@ -204,7 +204,7 @@ static void assert_agrees(const lf_print *print, const char *what)
         fail_msg("%s: %g", what, worst);
 }
 
-/* ------------------------------------------------------------------------------------ tests -- */
+/* ------------------------------------------------------------------------------------- tests -- */
 
 static void agrees_with_single_rays_for_every_kind_of_print(void **state)
 {
