@@ -25,7 +25,8 @@
 typedef struct lines {
     lf_check_stripes stripes;
     int n_lines, channels;
-    double *value, *sigma; /* [n_lines][n][channels] */
+    double light[256], slope[256]; /* of 8-bit values */
+    double *value, *sigma;         /* [n_lines][n][channels] */
     double *scratch;
     int n_blocks;
     lf_check_block block[MAX_BLOCKS];
@@ -66,10 +67,12 @@ static lf_status begin(const lf_check *check, lines *l)
         l->block[b] =
             (lf_check_block){first, end, (0.5 * (first + end) - 0.5 * n) * l->stripes.pixel_mm};
     }
+    for (int code = 0; code < 256; code++)
+        l->light[code] = lf_check_light(code, 8, &l->slope[code]);
     const size_t values = (size_t)n * (size_t)l->channels;
     l->value = lf_calloc((size_t)l->n_lines, values * sizeof *l->value);
     l->sigma = lf_calloc((size_t)l->n_lines, values * sizeof *l->sigma);
-    l->scratch = lf_calloc((size_t)n + 4, 4 * sizeof *l->scratch);
+    l->scratch = lf_calloc((size_t)n + 4, 6 * sizeof *l->scratch);
     return l->value && l->sigma && l->scratch ? LF_OK : LF_E_NOMEM;
 }
 
@@ -99,7 +102,11 @@ static void put_pixel(const lf_check *check, lines *l, int line, int j, const vo
         if (l->stripes.nearest) {
             l->value[at + (size_t)c] = code;
         } else if (check->grid.exact) {
-            l->value[at + (size_t)c] = lf_check_light(code, bits, &slope);
+            const int known = (int)code;
+            if (bits == 8)
+                slope = l->slope[known];
+            l->value[at + (size_t)c] =
+                bits == 8 ? l->light[known] : lf_check_light(code, bits, &slope);
             l->sigma[at + (size_t)c] = slope * code_sigma;
         } else {
             l->value[at + (size_t)c] = (double)light[c];

@@ -189,7 +189,7 @@ static const char *contradiction(const lf_check *check)
         return "phase_mm";
     if (!near(lf_check_number(root, "stripes", "views", 0), print->n_views))
         return "views";
-    return order_agrees(check) ? "" : "order";
+    return lf_print_is_micro(print) || order_agrees(check) ? "" : "order";
 }
 
 /* ---------------------------------------------------------------------------------------- hash --
@@ -251,12 +251,13 @@ static void judge_views(lf_check *check)
 {
     const lf_print *print = &check->print;
     const double pixels_a_lens = check->dpi[print->horizontal ? 1 : 0] / print->lpi;
-    const double ratio = print->n_views / pixels_a_lens;
-    const bool fine = print->n_views <= 2 || ratio <= 0.8 + 1e-9;
+    const int columns = print->n_views / lf_print_view_rows(print);
+    const double ratio = columns / pixels_a_lens;
+    const bool fine = columns <= 2 || ratio <= 0.8 + 1e-9;
     lf_check_say(check, CHECK_VIEWS, fine ? LF_CHECK_PASS : LF_CHECK_WARN,
                  "at most 0.8 views per pixel of a lens",
                  "Neighbouring views show as ghosts; use fewer views or a higher resolution.",
-                 "%d views in %.5g pixels: %.2f", print->n_views, pixels_a_lens, ratio);
+                 "%d views in %.5g pixels: %.2f", columns, pixels_a_lens, ratio);
 }
 
 static void judge_depth(lf_check *check)

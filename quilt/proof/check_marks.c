@@ -30,6 +30,7 @@ typedef struct end_strip {
 typedef struct ends {
     int n, margin;              /* pixels across the lenses; of the margin beyond their ends */
     double across_mm, along_mm; /* size of a pixel */
+    double edge_mm;             /* from the edge of the bleed to that of its last pixel */
     end_strip side[2];
 } ends;
 
@@ -51,6 +52,9 @@ static lf_status begin(const lf_check *check, ends *e)
     e->margin = horizontal ? check->shape.margin_px : check->shape.margin_down_px;
     e->across_mm = 25.4 / check->dpi[horizontal ? 1 : 0];
     e->along_mm = 25.4 / check->dpi[horizontal ? 0 : 1];
+    const double along = horizontal ? check->print.width_mm : check->print.height_mm;
+    const int n_along = horizontal ? check->shape.raster_width : check->shape.raster_height;
+    e->edge_mm = 0.5 * n_along * e->along_mm - (0.5 * along + check->print.bleed_mm);
     for (int side = 0; side < 2; side++) {
         for (int look = 0; look < N_LOOKS; look++) {
             e->side[side].ink[look] = lf_calloc((size_t)e->n, sizeof(float));
@@ -233,8 +237,8 @@ static double off_px(const ends *e, const float *ink, double place_mm)
 static int off_rows(const ends *e, int side)
 {
     const double *profile = e->side[side].profile;
-    const int from = (int)ceil(strip_from / e->along_mm - 0.5),
-              end = (int)ceil(strip_to / e->along_mm - 0.5);
+    const int from = (int)ceil((strip_from - e->edge_mm) / e->along_mm - 0.5 - 1e-9),
+              end = (int)ceil((strip_to - e->edge_mm) / e->along_mm - 0.5 - 1e-9);
     const double half = 0.5 * profile[(from + end) / 2];
     int first = 0, last = end < e->margin ? end : e->margin - 1;
     while (first < e->margin - 1 && profile[first] < half)

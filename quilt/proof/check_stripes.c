@@ -47,24 +47,31 @@ static double misfit_nearest(const lf_check_stripes *stripes, const lf_check_lin
     return misfit;
 }
 
-/* Where a pixel lies: its first stripe, counted within the block, and the share of that stripe. */
+/* Where the pixels of a block lie. */
 typedef struct pixel_shares {
-    int stripe;
-    double first; /* the next stripe has the rest */
+    int n_stripes;
+    double *stripe; /* [pixels] its first stripe, counted within the block */
+    double *first;  /* [pixels] share of that stripe; the next one has the rest */
 } pixel_shares;
 
-static pixel_shares shares_of(const lf_check_stripes *stripes, int j, double moved_mm,
-                              double origin)
+static pixel_shares shares_of(const lf_check_stripes *stripes, const lf_check_block *block,
+                              double moved_mm, double *scratch)
 {
-    const double left = lf_check_stripe_at(stripes, j, moved_mm),
-                 right = lf_check_stripe_at(stripes, j + 1.0, moved_mm);
-    const double stripe = floor(left), border = stripe + 1.0;
-    const double rest = right > border ? (right - border) / (right - left) : 0.0;
-    if (rest < LEAST_SHARE)
-        return (pixel_shares){(int)(stripe - origin), 1.0};
-    if (rest > 1.0 - LEAST_SHARE)
-        return (pixel_shares){(int)(stripe - origin) + 1, 1.0};
-    return (pixel_shares){(int)(stripe - origin), 1.0 - rest};
+    const int n = block->end - block->first;
+    pixel_shares out = {0, scratch, scratch + n};
+    double left = lf_check_stripe_at(stripes, block->first, moved_mm);
+    const double origin = floor(left);
+    for (int i = 0; i < n; i++) {
+        const double right = lf_check_stripe_at(stripes, block->first + i + 1.0, moved_mm);
+        const double stripe = floor(left), border = stripe + 1.0;
+        const double rest = right > border ? (right - border) / (right - left) : 0.0;
+        const bool last = rest > 1.0 - LEAST_SHARE; /* all of it lies in the next stripe */
+        out.stripe[i] = stripe - origin + (last ? 1.0 : 0.0);
+        out.first[i] = last || rest < LEAST_SHARE ? 1.0 : 1.0 - rest;
+        left = right;
+    }
+    out.n_stripes = (int)out.stripe[n - 1] + (out.first[n - 1] < 1.0 ? 2 : 1);
+    return out;
 }
 
 /* Solves the tridiagonal system of the normal equations in place: stripe[t]. */
@@ -89,39 +96,32 @@ static int solve(int n, double *diagonal, const double *beside, double *right, d
 
 /* Pixels are at most a stripe wide, so that each touches two neighbouring stripes at most, and the
  * normal equations are tridiagonal. */
-static double misfit_of_channel(const lf_check_stripes *stripes, const lf_check_line *line, int c,
-                                const lf_check_block *block, double moved_mm, double *scratch,
-                                double *out_freedom)
+static double misfit_of_channel(const lf_check_line *line, int c, const lf_check_block *block,
+                                const pixel_shares *shares, double *scratch, double *out_freedom)
 {
-    const double origin = floor(lf_check_stripe_at(stripes, block->first, moved_mm));
-    const int room = block->end - block->first + 4;
+    const int n = block->end - block->first, room = n + 4;
     double *diagonal = scratch, *beside = scratch + room, *right = scratch + 2 * room,
            *stripe = scratch + 3 * room;
-    int n = 0;
+    const size_t first = (size_t)block->first * (size_t)line->channels + (size_t)c;
     double misfit = 0.0;
     memset(scratch, 0, 4 * (size_t)room * sizeof *scratch);
-    for (int j = block->first; j < block->end; j++) {
-        const pixel_shares at = shares_of(stripes, j, moved_mm, origin);
-        const size_t i = (size_t)j * (size_t)line->channels + (size_t)c;
-        const double weight = 1.0 / (line->sigma[i] * line->sigma[i]), rest = 1.0 - at.first;
-        const int t = at.stripe;
-        diagonal[t] += at.first * at.first * weight;
-        right[t] += at.first * line->value[i] * weight;
-        n = t + 1 > n ? t + 1 : n;
-        if (rest > 0.0) {
-            diagonal[t + 1] += rest * rest * weight;
-            right[t + 1] += rest * line->value[i] * weight;
-            beside[t] += at.first * rest * weight;
-            n = t + 2 > n ? t + 2 : n;
-        }
+    for (int i = 0; i < n; i++) {
+        const size_t at = first + (size_t)i * (size_t)line->channels;
+        const double weight = 1.0 / (line->sigma[at] * line->sigma[at]);
+        const double own = shares->first[i], rest = 1.0 - own, value = line->value[at] * weight;
+        const int t = (int)shares->stripe[i];
+        diagonal[t] += own * own * weight;
+        right[t] += own * value;
+        diagonal[t + 1] += rest * rest * weight;
+        right[t + 1] += rest * value;
+        beside[t] += own * rest * weight;
     }
-    *out_freedom += block->end - block->first - solve(n, diagonal, beside, right, stripe);
-    for (int j = block->first; j < block->end; j++) {
-        const pixel_shares at = shares_of(stripes, j, moved_mm, origin);
-        const size_t i = (size_t)j * (size_t)line->channels + (size_t)c;
-        const double fitted =
-            at.first * stripe[at.stripe] + (1.0 - at.first) * stripe[at.stripe + 1];
-        const double off = (line->value[i] - fitted) / line->sigma[i];
+    *out_freedom += n - solve(shares->n_stripes, diagonal, beside, right, stripe);
+    for (int i = 0; i < n; i++) {
+        const size_t at = first + (size_t)i * (size_t)line->channels;
+        const int t = (int)shares->stripe[i];
+        const double own = shares->first[i], fitted = own * stripe[t] + (1.0 - own) * stripe[t + 1];
+        const double off = (line->value[at] - fitted) / line->sigma[at];
         misfit += off * off;
     }
     return misfit;
@@ -134,8 +134,10 @@ double lf_check_misfit(const lf_check_stripes *stripes, const lf_check_line *lin
     double misfit = 0.0;
     if (stripes->nearest)
         return misfit_nearest(stripes, line, block, moved_mm, out_freedom);
+    const pixel_shares shares = shares_of(stripes, block, moved_mm, scratch);
+    double *rest = scratch + 2 * (size_t)(block->end - block->first);
     *out_freedom = 0.0;
     for (int c = 0; c < line->channels; c++)
-        misfit += misfit_of_channel(stripes, line, c, block, moved_mm, scratch, out_freedom);
+        misfit += misfit_of_channel(line, c, block, &shares, rest, out_freedom);
     return misfit;
 }

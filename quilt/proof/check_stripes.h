@@ -41,7 +41,7 @@ typedef struct lf_check_line {
 
 /* The misfit of one block of a line: the least sum of squared differences, in standard deviations
  * (codes, for nearest), between its pixels and any stripes so moved. *out_freedom gets the number
- * of values beyond those that the stripes fit. scratch: room for 4 doubles per pixel of the block,
+ * of values beyond those that the stripes fit. scratch: room for 6 doubles per pixel of the block,
  * and 16 more. */
 double lf_check_misfit(const lf_check_stripes *stripes, const lf_check_line *line,
                        const lf_check_block *block, double moved_mm, double *scratch,
