@@ -7,6 +7,7 @@
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
+#include "daemon/tools/print_check.h"
 #include "tests/docs/tables.h"
 
 enum { N_PROGRAMS = 2, MOST_HELP = 1 << 16, COLUMN = 25 };
@@ -28,7 +29,7 @@ static const struct group {
     {"output", lf_option_params, NULL, "exposure guides png quality aov", NULL, NULL},
     {"panel", lf_option_params, lf_response_params, "panel calibration", NULL, NULL},
     {"interlacing", lf_panel_params, NULL, NULL, NULL, NULL},
-    {"print", lf_print_params, NULL, NULL, NULL, NULL},
+    {"print", lf_print_params, lf_check_params, NULL, NULL, NULL},
     {"depth", lf_rgbd_params, NULL, NULL, NULL, NULL},
     {"alone", lf_alone_params, NULL, NULL, NULL, NULL},
     {"photo", lf_photo_params, lf_picture_params, NULL, NULL, NULL},

@@ -1397,6 +1397,26 @@ export interface Calls {
       "phase"?: number;
       /** orientation of the lenses */
       "orientation"?: "vertical" | "horizontal";
+      /** angle of the lenses, clockwise: the top of a vertical lens leans right [degrees] */
+      "slant"?: number;
+      /** rows of lenses, or a micro lens sheet with views in both axes */
+      "lens_grid"?: "linear" | "square" | "hexagonal";
+      /** micro lens sheets: rows of views (as many as columns) */
+      "view_rows"?: number;
+      /** micro lens sheets: move the lens in the middle down [mm] */
+      "phase_down"?: number;
+      /** pitch over the sheet; auto: exact if thickness and distance are given */
+      "map"?: "auto" | "uniform" | "exact";
+      /** thickness of the lens sheet (unknown) [mm] */
+      "thickness"?: number;
+      /** refractive index of the lens sheet (1.56) */
+      "index"?: number;
+      /** radius of the lens surface (unknown) [mm] */
+      "radius"?: number;
+      /** viewing angle of the lens sheet, as its maker says (unknown) [degrees] */
+      "viewing_angle"?: number;
+      /** viewing distance for which LPI was measured (unknown) [mm] */
+      "distance"?: number;
       /** rendered margin on every side [mm] */
       "bleed"?: number;
       /** ICC file with the colour profile of the print, in a readable folder (sRGB) */
@@ -1411,10 +1431,20 @@ export interface Calls {
       "mirror"?: boolean;
       /** add register and alignment marks, 8 mm more on every side */
       "marks"?: boolean;
+      /** width of the spot that a lens images onto the print [mm] */
+      "spot"?: number;
+      /** dot gain of the printer at 50 % */
+      "dot_gain"?: number;
+      /** standard deviation of the spread of ink [mm] */
+      "ink_spread"?: number;
       /** panel: how its pixels are taken from the views; nearest copies 8-bit values unchanged */
       "filter"?: "nearest" | "linear";
       /** panel: reverse the order of the views under a lens; auto: as the calibration says */
       "invert"?: "auto" | "yes" | "no";
+      /** profile of the lens sheet, by name or file (quiltprint list) */
+      "lens"?: string;
+      /** profile of the printer, by name or file */
+      "printer"?: string;
       /** response of the panel to its codes: srgb or an exponent */
       "gamma"?: "srgb" | number;
       /** colour temperature of the panel's white; not together with white_x [kelvin] */
