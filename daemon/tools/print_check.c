@@ -18,7 +18,7 @@ const lf_param lf_check_params[] = {
      .place = offsetof(lf_check_arguments, off),
      .type = LF_PARAM_SWITCH,
      .words = on_off,
-     .help = "read a print back and check it; a report and a job sheet go beside it"},
+     .help = "read a written print back and check it; adds a report and a job sheet"},
     {0},
 };
 

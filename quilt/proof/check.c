@@ -97,8 +97,7 @@ bool lf_check_fit(const double *x_mm, const double *moved_um, const double *erro
     return out->error_um <= limit_um;
 }
 
-/* -------------------------------------------------------------------------------------- verdicts
- * -- */
+/* ---------------------------------------------------------------------------------- verdicts -- */
 
 /* Why pitch and phase are not measured. */
 static void say_unmeasured(const lf_check *check, char *out, size_t size)
@@ -215,8 +214,7 @@ static void judge_stored(lf_check *check)
                      tags->big ? "BigTIFF" : "TIFF", 1e-6 * (double)tags->file_bytes);
 }
 
-/* ------------------------------------------------------------------------------------------ run --
- */
+/* --------------------------------------------------------------------------------------- run -- */
 
 /* What a point says until a stage knows better. */
 static void say_nothing_yet(lf_check *check)

@@ -76,8 +76,7 @@ static lf_status begin(const lf_check *check, lines *l)
     return l->value && l->sigma && l->scratch ? LF_OK : LF_E_NOMEM;
 }
 
-/* -------------------------------------------------------------------------------------- values --
- */
+/* ------------------------------------------------------------------------------------ values -- */
 
 static double code_of(const void *raw, int bits, size_t i)
 {
@@ -155,8 +154,7 @@ static lf_status read_columns(lf_check *check, lines *l, void *raw, lf_error *er
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------ fitting --
- */
+/* ----------------------------------------------------------------------------------- fitting -- */
 
 static double misfit_of(const lines *l, int block, double moved_mm, double *out_freedom)
 {

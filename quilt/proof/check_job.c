@@ -88,8 +88,7 @@ static small_picture picture_of(const lf_print_report *report)
     return out;
 }
 
-/* ----------------------------------------------------------------------------------------- text --
- */
+/* -------------------------------------------------------------------------------------- text -- */
 
 /* A line that must not pass `edge`: it is cut with dots. */
 static void put_within(lf_pdf *pdf, double x, double y, double size, bool bold, double edge,
@@ -192,8 +191,7 @@ static void put_facts(lf_pdf *pdf, double *y, const lf_print_report *report)
         put_fact(pdf, y, "Content", "a pitch test chart");
 }
 
-/* ---------------------------------------------------------------------------------------- parts --
- */
+/* ------------------------------------------------------------------------------------- parts -- */
 
 static lf_status put_picture(lf_pdf *pdf, const small_picture *small, lf_error *err)
 {

@@ -32,8 +32,7 @@ static const char *text_of(const json_t *root, const char *part, const char *nam
     return json_string_value(json_object_get(json_object_get(root, part), name));
 }
 
-/* ------------------------------------------------------------------------------------ settings --
- */
+/* ---------------------------------------------------------------------------------- settings -- */
 
 /* Options that were not given are outside their ranges; they are left out. */
 static lf_status take_options(const json_t *options, lf_print *print, lf_error *err)
@@ -112,8 +111,7 @@ lf_status lf_check_manifest_read(lf_check *check, lf_error *err)
     return LF_OK;
 }
 
-/* -------------------------------------------------------------------------------------- agrees --
- */
+/* ------------------------------------------------------------------------------------ agrees -- */
 
 static bool near(double a, double b)
 {
@@ -192,8 +190,7 @@ static const char *contradiction(const lf_check *check)
     return lf_print_is_micro(print) || order_agrees(check) ? "" : "order";
 }
 
-/* ---------------------------------------------------------------------------------------- hash --
- */
+/* -------------------------------------------------------------------------------------- hash -- */
 
 static lf_status hash_file(lf_check *check, lf_error *err)
 {
@@ -244,8 +241,7 @@ static void compare_profile(lf_check *check)
     check->same_profile = said && strcmp(said, hash) == 0;
 }
 
-/* ----------------------------------------------------------------------------- views and depth --
- */
+/* --------------------------------------------------------------------------- views and depth -- */
 
 static void judge_views(lf_check *check)
 {

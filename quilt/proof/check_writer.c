@@ -172,8 +172,7 @@ static lf_status make_strip(strip *s, lf_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- measuring --
- */
+/* --------------------------------------------------------------------------------- measuring -- */
 
 /* The share of each pixel that stripes of a view cover, by definition. */
 static void share_line(const strip *s, int view, double *out)

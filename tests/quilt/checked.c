@@ -109,8 +109,7 @@ lf_check_result lf_checked_point(const lf_checked *checked, int number)
     return checked->report.points[number - 1].result;
 }
 
-/* -------------------------------------------------------------------------------------- rasters --
- */
+/* ----------------------------------------------------------------------------------- rasters -- */
 
 void lf_saved_read(const char *path, lf_saved *out)
 {

@@ -53,8 +53,7 @@ static lf_print base_of(base_print base)
     return print;
 }
 
-/* ----------------------------------------------------------------------------- spoiling pixels --
- */
+/* --------------------------------------------------------------------------- spoiling pixels -- */
 
 /* A value of the new picture, from the old one. */
 typedef double (*pixel_fn)(const lf_saved *old, int x, int y, int c);
@@ -169,8 +168,7 @@ REDRAWN(blank_bleed, 0, 0, x < 47 || x >= old->width - 47 ? 255 : at(old, x, y, 
 REDRAWN(no_marks, 0, 0, y < 100 ? 255 : at(old, x, y, c))
 REDRAWN(half_bits, 0, 0, 257 * floor(at(old, x, y, c) / 257))
 
-/* ---------------------------------------------------------------- spoiling tags, bytes, manifest
- * -- */
+/* ------------------------------------------------------------ spoiling tags, bytes, manifest -- */
 
 #define RESAVED(name, change)                                                                      \
     static void name(lf_checked *checked)                                                          \
@@ -421,8 +419,7 @@ static void half_of_another(lf_checked *checked)
     lf_checked_finish(&other);
 }
 
-/* ---------------------------------------------------------------------------------------- tests --
- */
+/* ------------------------------------------------------------------------------------- tests -- */
 
 enum {
     SIZE = 1,
