@@ -10,7 +10,8 @@
 
 #define N_LINES 16
 #define MAX_BLOCKS 24
-#define LEAST_LENSES 16 /* of a block */
+#define MOST_BYTES ((size_t)48 << 20) /* of the lines; fewer are measured on long prints */
+#define LEAST_LENSES 16               /* of a block */
 /* A stripe must be wider than this, in pixels, to leave values beyond the unknowns. */
 #define LEAST_STRIPE 1.03
 #define N_SCAN 32
@@ -70,6 +71,9 @@ static lf_status begin(const lf_check *check, lines *l)
     for (int code = 0; code < 256; code++)
         l->light[code] = lf_check_light(code, 8, &l->slope[code]);
     const size_t values = (size_t)n * (size_t)l->channels;
+    const size_t most = MOST_BYTES / (values * 2 * sizeof *l->value);
+    if ((size_t)l->n_lines > most)
+        l->n_lines = most > 0 ? (int)most : 1;
     l->value = lf_calloc((size_t)l->n_lines, values * sizeof *l->value);
     l->sigma = lf_calloc((size_t)l->n_lines, values * sizeof *l->sigma);
     l->scratch = lf_calloc((size_t)n + 4, 6 * sizeof *l->scratch);
