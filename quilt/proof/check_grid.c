@@ -229,8 +229,10 @@ static best_fit fit_fractional(const lines *l, int block, bool exact)
                                 misfit_of(l, block, center + step, &freedom), &bend);
     fit.at_best = at / freedom;
     fit.moved_um = 1e3 * (center + fmax(fmin(moved, 1.0), -1.0) * step);
-    fit.error_um =
-        bend > 0.0 ? 1e3 * step * sqrt(2.0 * fmax(1.0, fit.at_best) / bend) : (double)INFINITY;
+    /* lines and channels of a smooth picture repeat each other, with their roundings */
+    const double repeated = l->n_lines * l->channels;
+    fit.error_um = bend > 0.0 ? 1e3 * step * sqrt(2.0 * repeated * fmax(1.0, fit.at_best) / bend)
+                              : (double)INFINITY;
     return fit;
 }
 

@@ -2,6 +2,8 @@
  * are. */
 #include "tests/testing.h"
 
+#include <lcms2.h>
+
 #include "base/alloc.h"
 #include "tests/quilt/checked.h"
 #include "tests/quilt/printed.h"
@@ -15,6 +17,7 @@ typedef struct good_case {
     bool horizontal, reverse, mirror, marks;
     lf_card_value *value;
     bool measured; /* pitch and phase are measured in the file */
+    enum { NO_PROFILE, WIDE_RGB, INKS } profile;
 } good_case;
 
 #define F LF_STRIPES_FRACTIONAL
@@ -23,42 +26,47 @@ typedef struct good_case {
 #define S lf_card_speckle
 /* clang-format off */
 static const good_case cases[] = {
-    {"usual", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"8 of 9.98", 60.13, 600, 0, 40, 5, 0, 0, 8, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"speckle", 60.13, 600, 0, 40, 5, 0, 0, 8, 8, F, 0, 0, 0, 0, 0, S, true},
-    {"9 of 9.98", 60.13, 600, 0, 40, 5, 0, 0, 9, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"10 of 9.98", 60.13, 600, 0, 40, 5, 0, 0, 10, 8, F, 0, 0, 0, 0, 0, W, false},
-    {"nearest", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, N, 0, 0, 0, 0, 0, W, true},
-    {"nearest 8", 60.13, 600, 0, 40, 5, 0.05, 0, 8, 8, N, 0, 0, 0, 0, 0, W, true},
-    {"nearest 60", 60, 600, 0, 40, 5, 0, 0, 8, 8, N, 0, 0, 0, 0, 0, W, true},
-    {"nearest 10", 60.13, 600, 0, 40, 5, 0, 0, 10, 8, N, 0, 0, 0, 0, 0, W, false},
-    {"16 bits", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, F, 0, 0, 0, 0, 0, W, true},
-    {"16 bits nearest", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, N, 0, 0, 0, 0, 0, W, true},
-    {"lzw", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, LF_COMPRESS_LZW, 0, 0, 0, 0, W, true},
-    {"deflate", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, F, LF_COMPRESS_DEFLATE, 0, 0, 0, 0, W, true},
-    {"horizontal", 60.13, 600, 0, 5, 40, 0, 0, 7, 8, F, 0, true, 0, 0, 0, W, true},
-    {"horizontal nearest", 60.13, 600, 0, 5, 40, 0.1, 0, 7, 8, N, 0, true, 0, 0, 0, W, true},
-    {"horizontal marks", 60.13, 600, 0, 5, 40, 0, 2, 7, 8, F, 0, true, 0, 0, true, W, true},
-    {"reverse", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, true, 0, 0, W, true},
-    {"mirror", 60.13, 600, 0, 40, 5, 0.11, 0, 7, 8, F, 0, 0, 0, true, 0, W, true},
-    {"mirror and reverse", 60.13, 600, 0, 40, 5, -0.07, 0, 7, 8, N, 0, 0, true, true, 0, W, true},
-    {"mirror horizontal", 60.13, 600, 0, 5, 40, 0.07, 0, 7, 8, F, 0, true, 0, true, 0, W, true},
-    {"marks", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, true, W, true},
-    {"marks of 10", 60.13, 600, 0, 40, 5, 0.1, 3, 10, 8, F, 0, 0, 0, 0, true, W, true},
-    {"marks mirrored", 60.13, 600, 0, 40, 5, 0.1, 3, 8, 8, F, 0, 0, 0, true, true, W, true},
-    {"bleed", 60.13, 600, 0, 40, 5, 0, 3, 7, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"raster of two", 60.13, 720, 1440, 40, 5, 0, 0, 9, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"turned", 60.13, 720, 1440, 5, 40, 0.02, 1, 9, 8, F, 0, true, 0, 0, true, W, true},
-    {"812.8 dpi", 60.13, 812.8, 0, 40, 5, 0, 0, 8, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"40 lpi", 40.1, 600, 0, 50, 5, 0.2, 0, 12, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"75 lpi", 75.08, 720, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, S, true},
-    {"1200 dpi", 60.13, 1200, 0, 30, 3, 0, 0, 15, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"two views", 60.13, 600, 0, 40, 5, 0, 0, 2, 8, N, 0, 0, 0, 0, 0, S, true},
-    {"one view", 60.13, 600, 0, 40, 5, 0, 0, 1, 8, F, 0, 0, 0, 0, 0, W, true},
-    {"still", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, lf_card_still, true},
-    {"grey", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, lf_card_grey, false},
-    {"grey nearest", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, N, 0, 0, 0, 0, 0, lf_card_grey, false},
-    {"small", 60.13, 600, 0, 1, 1, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, W, false},
+    {"usual", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"8 of 9.98", 60.13, 600, 0, 40, 5, 0, 0, 8, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"speckle", 60.13, 600, 0, 40, 5, 0, 0, 8, 8, F, 0, 0, 0, 0, 0, S, true, NO_PROFILE},
+    {"9 of 9.98", 60.13, 600, 0, 40, 5, 0, 0, 9, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"10 of 9.98", 60.13, 600, 0, 40, 5, 0, 0, 10, 8, F, 0, 0, 0, 0, 0, W, false, NO_PROFILE},
+    {"nearest", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, N, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"nearest 8", 60.13, 600, 0, 40, 5, 0.05, 0, 8, 8, N, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"nearest 60", 60, 600, 0, 40, 5, 0, 0, 8, 8, N, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"nearest 10", 60.13, 600, 0, 40, 5, 0, 0, 10, 8, N, 0, 0, 0, 0, 0, W, false, NO_PROFILE},
+    {"16 bits", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"16 bits nearest", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, N, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"lzw", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, LF_COMPRESS_LZW, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"deflate", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, F, LF_COMPRESS_DEFLATE, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"horizontal", 60.13, 600, 0, 5, 40, 0, 0, 7, 8, F, 0, true, 0, 0, 0, W, true, NO_PROFILE},
+    {"horizontal nearest", 60.13, 600, 0, 5, 40, 0.1, 0, 7, 8, N, 0, true, 0, 0, 0, W, true, NO_PROFILE},
+    {"horizontal marks", 60.13, 600, 0, 5, 40, 0, 2, 7, 8, F, 0, true, 0, 0, true, W, true, NO_PROFILE},
+    {"reverse", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, true, 0, 0, W, true, NO_PROFILE},
+    {"mirror", 60.13, 600, 0, 40, 5, 0.11, 0, 7, 8, F, 0, 0, 0, true, 0, W, true, NO_PROFILE},
+    {"mirror and reverse", 60.13, 600, 0, 40, 5, -0.07, 0, 7, 8, N, 0, 0, true, true, 0, W, true, NO_PROFILE},
+    {"mirror horizontal", 60.13, 600, 0, 5, 40, 0.07, 0, 7, 8, F, 0, true, 0, true, 0, W, true, NO_PROFILE},
+    {"marks", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, true, W, true, NO_PROFILE},
+    {"marks of 10", 60.13, 600, 0, 40, 5, 0.1, 3, 10, 8, F, 0, 0, 0, 0, true, W, true, NO_PROFILE},
+    {"marks mirrored", 60.13, 600, 0, 40, 5, 0.1, 3, 8, 8, F, 0, 0, 0, true, true, W, true, NO_PROFILE},
+    {"bleed", 60.13, 600, 0, 40, 5, 0, 3, 7, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"raster of two", 60.13, 720, 1440, 40, 5, 0, 0, 9, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"turned", 60.13, 720, 1440, 5, 40, 0.02, 1, 9, 8, F, 0, true, 0, 0, true, W, true, NO_PROFILE},
+    {"812.8 dpi", 60.13, 812.8, 0, 40, 5, 0, 0, 8, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"40 lpi", 40.1, 600, 0, 50, 5, 0.2, 0, 12, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"75 lpi", 75.08, 720, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, S, true, NO_PROFILE},
+    {"1200 dpi", 60.13, 1200, 0, 30, 3, 0, 0, 15, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"two views", 60.13, 600, 0, 40, 5, 0, 0, 2, 8, N, 0, 0, 0, 0, 0, S, true, NO_PROFILE},
+    {"one view", 60.13, 600, 0, 40, 5, 0, 0, 1, 8, F, 0, 0, 0, 0, 0, W, true, NO_PROFILE},
+    {"still", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, lf_card_still, true, NO_PROFILE},
+    {"grey", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, lf_card_grey, false, NO_PROFILE},
+    {"grey nearest", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, N, 0, 0, 0, 0, 0, lf_card_grey, false, NO_PROFILE},
+    {"wide RGB", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, true, W, true, WIDE_RGB},
+    {"wide RGB, 16 bits", 60.13, 600, 0, 40, 5, 0, 0, 8, 16, F, 0, 0, 0, 0, 0, W, true, WIDE_RGB},
+    {"CMYK", 60.13, 600, 0, 40, 5, 0, 0, 7, 8, F, 0, 0, 0, 0, true, W, true, INKS},
+    {"CMYK nearest", 60.13, 600, 0, 40, 5, 0, 2, 7, 8, N, 0, 0, 0, 0, 0, W, true, INKS},
+    {"CMYK LZW", 60.13, 600, 0, 40, 5, 0, 0, 7, 16, F, LF_COMPRESS_LZW, 0, 0, 0, 0, W, true, INKS},
+    {"small", 60.13, 600, 0, 1, 1, 0, 0, 7, 8, F, 0, 0, 0, 0, 0, W, false, NO_PROFILE},
 };
 /* clang-format on */
 
@@ -81,12 +89,82 @@ static lf_print print_of(const good_case *c)
                       .marks = c->marks};
 }
 
+/* ---------------------------------------------------------------------------------- profiles -- */
+
+static cmsInt32Number ink_of_lab(const cmsUInt16Number in[], cmsUInt16Number out[], void *context)
+{
+    (void)context;
+    out[0] = out[1] = out[2] = 0;
+    out[3] = (cmsUInt16Number)(65535 - in[0]);
+    return 1;
+}
+
+static cmsInt32Number lab_of_ink(const cmsUInt16Number in[], cmsUInt16Number out[], void *context)
+{
+    (void)context;
+    out[0] = (cmsUInt16Number)(65535 - in[3]);
+    out[1] = out[2] = 0x8080;
+    return 1;
+}
+
+static void put_table(cmsHPROFILE profile, cmsTagSignature tag, cmsUInt32Number n_in,
+                      cmsUInt32Number n_out, cmsSAMPLER16 sampler)
+{
+    cmsPipeline *pipeline = cmsPipelineAlloc(NULL, n_in, n_out);
+    cmsStage *table = cmsStageAllocCLut16bit(NULL, 9, n_in, n_out, NULL);
+    assert_true(cmsStageSampleCLut16bit(table, sampler, NULL, 0));
+    cmsPipelineInsertStage(pipeline, cmsAT_BEGIN, cmsStageAllocToneCurves(NULL, n_in, NULL));
+    cmsPipelineInsertStage(pipeline, cmsAT_END, table);
+    cmsPipelineInsertStage(pipeline, cmsAT_END, cmsStageAllocToneCurves(NULL, n_out, NULL));
+    assert_true(cmsWriteTag(profile, tag, pipeline));
+    cmsPipelineFree(pipeline);
+}
+
+/* A press with black ink alone. */
+static cmsHPROFILE ink_profile(void)
+{
+    cmsHPROFILE profile = cmsCreateProfilePlaceholder(NULL);
+    cmsSetProfileVersion(profile, 4.3);
+    cmsSetDeviceClass(profile, cmsSigOutputClass);
+    cmsSetColorSpace(profile, cmsSigCmykData);
+    cmsSetPCS(profile, cmsSigLabData);
+    put_table(profile, cmsSigAToB0Tag, 4, 3, lab_of_ink);
+    put_table(profile, cmsSigBToA0Tag, 3, 4, ink_of_lab);
+    return profile;
+}
+
+static cmsHPROFILE wide_profile(void)
+{
+    const cmsCIExyY white = {0.3127, 0.3290, 1.0};
+    const cmsCIExyYTRIPLE primaries = {{0.64, 0.33, 1.0}, {0.21, 0.71, 1.0}, {0.15, 0.06, 1.0}};
+    cmsToneCurve *curve = cmsBuildGamma(NULL, 2.2);
+    cmsToneCurve *curves[3] = {curve, curve, curve};
+    cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves);
+    cmsFreeToneCurve(curve);
+    return profile;
+}
+
+static const char *profile_in(const char *folder, const good_case *c)
+{
+    const char *path = lf_test_path(folder, "print.icc");
+    if (c->profile == NO_PROFILE)
+        return NULL;
+    cmsHPROFILE profile = c->profile == INKS ? ink_profile() : wide_profile();
+    assert_true(cmsSaveProfileToFile(profile, path));
+    cmsCloseProfile(profile);
+    return path;
+}
+
+/* ------------------------------------------------------------------------------------ prints -- */
+
 static void good_prints_pass(void **state)
 {
     (void)state;
     int failed = 0;
+    char *folder = lf_test_folder();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const lf_print print = print_of(&cases[i]);
+        lf_print print = print_of(&cases[i]);
+        print.icc_path = profile_in(folder, &cases[i]);
         lf_checked checked;
         char line[2048];
         lf_checked_make(&print, cases[i].value, false, &checked);
@@ -104,6 +182,7 @@ static void good_prints_pass(void **state)
         }
         lf_checked_finish(&checked);
     }
+    lf_test_folder_remove(folder);
     assert_int_equal(failed, 0);
 }
 
