@@ -13,6 +13,7 @@
 #define PIECE_BYTES (1 << 20)
 #define PRINT_LPI 60
 #define PRINT_DPI 600
+#define NO_MEMORY_FILES "the system has no memory files (memfd_create)"
 
 typedef struct arguments {
     lf_options options; /* views, view size */
@@ -30,6 +31,8 @@ typedef struct work {
     size_t bytes_in, bytes_out;
     bool alone; /* always runs on one thread */
     bool once;  /* slow: runs once */
+    /* what it is compared with: writing bytes_out to a file in memory, not copying all bytes */
+    bool is_file;
 } work;
 
 /* Times of the repetitions: wall clock, and CPU seconds of all threads. */
@@ -61,7 +64,8 @@ static void print_help(void)
            "7680x4320), tone mapping, filling,\n"
            "comparing and printing: milliseconds, GB/s in and out, and the ratio of the CPU time "
            "to the CPU time of copying the\n"
-           "same bytes with the same threads. Default: 45 views of 420x560 pixels, or 1638x910 for "
+           "same bytes with the same threads; for prints, of writing as many bytes to a file in "
+           "memory. Default: 45 views of 420x560 pixels, or 1638x910 for "
            "panels over 4 million pixels.\n"
            "Each measurement is repeated with --threads threads.\n\n");
     lf_param_print_help(own, NULL);
@@ -90,6 +94,20 @@ static void copy(bench *b, size_t bytes, lf_pool *pool)
         return;
     for (int i = 0; i < n; i++)
         copy_piece(b, i, 0);
+}
+
+/* Writes as many bytes to a file in memory. */
+static lf_status write_plainly(bench *b, size_t bytes, lf_error *err)
+{
+    lf_outfile file = {.fd = memfd_create("plain", MFD_CLOEXEC), .borrowed = true};
+    lf_status status = LF_OK;
+    if (file.fd < 0)
+        return lf_error_set(err, LF_E_IO, "print", NO_MEMORY_FILES);
+    for (size_t at = 0; at < bytes && status == LF_OK; at += PIECE_BYTES)
+        status = lf_outfile_write(&file, b->copy_from,
+                                  bytes - at < PIECE_BYTES ? bytes - at : PIECE_BYTES, err);
+    lf_outfile_abandon(&file);
+    return status;
 }
 
 static lf_status make_copy_room(bench *b, size_t bytes, lf_error *err)
@@ -142,11 +160,15 @@ static lf_status measure_on(bench *b, const work *w, lf_pool *pool, lf_error *er
     lf_status status = w->once ? LF_OK : w->run(w->context, pool, err);
     for (int i = 0; i < (w->once ? 1 : b->arguments->repeat) && status == LF_OK; i++) {
         double wall = lf_time_now(), cpu = lf_time_cpu();
-        copy(b, w->bytes_in + w->bytes_out, pool);
+        if (w->is_file)
+            status = write_plainly(b, w->bytes_out, err);
+        else
+            copy(b, w->bytes_in + w->bytes_out, pool);
         add_times(&copies, wall, cpu);
         wall = lf_time_now();
         cpu = lf_time_cpu();
-        status = w->run(w->context, pool, err);
+        if (status == LF_OK)
+            status = w->run(w->context, pool, err);
         add_times(&work_times, wall, cpu);
     }
     if (status == LF_OK)
@@ -379,15 +401,15 @@ static lf_status measure_views(bench *b, field *f, lf_error *err)
     lf_status status = LF_OK;
 
     for (int i = 0; i < 3 && status == LF_OK; i++) {
-        work w = {tones[i].name, run_tone, f,    f->pixels * 3 * sizeof(float),
-                  f->pixels * 3, false,    false};
+        work w = {tones[i].name, run_tone, f,     f->pixels * 3 * sizeof(float),
+                  f->pixels * 3, false,    false, false};
         status = lf_tone_create(0.5, tones[i].tonemap, &f->tone, err);
         if (status == LF_OK)
             status = measure(b, &w, err);
         lf_tone_destroy(f->tone);
     }
     for (int i = 0; i < 3 && status == LF_OK; i++) {
-        work w = {holes[i].name, run_fill, f, f->pixels * 4, f->pixels * 3, false, false};
+        work w = {holes[i].name, run_fill, f, f->pixels * 4, f->pixels * 3, false, false, false};
         make_holes(f, holes[i].share);
         status = measure(b, &w, err);
     }
@@ -398,6 +420,7 @@ static lf_status measure_views(bench *b, field *f, lf_error *err)
 
 typedef struct sheet {
     lf_print print;
+    lf_print_format format;
     lf_views32 views;
 } sheet;
 
@@ -405,15 +428,13 @@ typedef struct sheet {
 static lf_status run_print(void *context, lf_pool *pool, lf_error *err)
 {
     const sheet *s = context;
-    const lf_print_run run = {0};
+    const lf_print_run run = {.format = s->format, .pool = pool};
     lf_outfile tiff = {.fd = -1};
     lf_outfile manifest = {.fd = -1};
     int fds[2] = {memfd_create("tiff", MFD_CLOEXEC), memfd_create("manifest", MFD_CLOEXEC)};
     lf_status status = LF_OK;
-    (void)pool;
     if (fds[0] < 0 || fds[1] < 0)
-        status =
-            lf_error_set(err, LF_E_IO, "print", "the system has no memory files (memfd_create)");
+        status = lf_error_set(err, LF_E_IO, "print", NO_MEMORY_FILES);
     if (status == LF_OK)
         status = lf_outfile_adopt(&tiff, fds[0], err);
     if (status == LF_OK)
@@ -428,10 +449,17 @@ static lf_status run_print(void *context, lf_pool *pool, lf_error *err)
 static lf_status measure_print(bench *b, const field *f, lf_error *err)
 {
     static const struct {
-        lf_stripes stripes;
         const char *name;
-    } kinds[] = {{LF_STRIPES_FRACTIONAL, "print, 60 lpi at 600 dpi, fractional"},
-                 {LF_STRIPES_NEAREST, "print, nearest"}};
+        lf_stripes stripes;
+        lf_compress compress;
+        int bits;
+        lf_print_format format;
+    } kinds[] = {{"print, 60 lpi at 600 dpi, fractional", LF_STRIPES_FRACTIONAL, LF_COMPRESS_NONE,
+                  8, LF_PRINT_TIFF},
+                 {"print, nearest", LF_STRIPES_NEAREST, LF_COMPRESS_NONE, 8, LF_PRINT_TIFF},
+                 {"print, 16 bits", LF_STRIPES_FRACTIONAL, LF_COMPRESS_NONE, 16, LF_PRINT_TIFF},
+                 {"print, LZW", LF_STRIPES_FRACTIONAL, LF_COMPRESS_LZW, 8, LF_PRINT_TIFF},
+                 {"print, PDF", LF_STRIPES_FRACTIONAL, LF_COMPRESS_NONE, 8, LF_PRINT_PDF}};
     int n_views = f->n_views < PRINT_DPI / PRINT_LPI ? f->n_views : PRINT_DPI / PRINT_LPI;
     size_t row = (size_t)f->width * 3;
     sheet s = {.views = {n_views, f->width, f->height, row, row * (size_t)f->n_views, f->linear}};
@@ -447,11 +475,15 @@ static lf_status measure_print(bench *b, const field *f, lf_error *err)
     s.print.width_mm = f->width * 25.4 / PRINT_LPI;
     s.print.height_mm = s.print.width_mm * f->height / f->width;
     lf_print_shape_of(&s.print, &shape);
-    for (int i = 0; i < 2 && status == LF_OK; i++) {
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && status == LF_OK; i++) {
         size_t in = (size_t)n_views * row * (size_t)f->height * sizeof(float);
-        size_t out = (size_t)shape.raster_width * (size_t)shape.raster_height * 3;
-        work w = {kinds[i].name, run_print, &s, in, out, true, true};
+        size_t out = (size_t)shape.raster_width * (size_t)shape.raster_height * 3 *
+                     (size_t)kinds[i].bits / 8;
+        work w = {kinds[i].name, run_print, &s, in, out, false, true, true};
         s.print.stripes = kinds[i].stripes;
+        s.print.compress = kinds[i].compress;
+        s.print.bits = kinds[i].bits;
+        s.format = kinds[i].format;
         status = measure(b, &w, err);
     }
     return status;

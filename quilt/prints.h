@@ -104,6 +104,8 @@ typedef struct lf_print {
     bool mirror;
     /* register and alignment marks in a margin of 8 mm on every side, outside the bleed */
     bool marks;
+    double frame_ppi; /* pixels per inch of a frame set, 50..600; 0: interlaced */
+    bool relief;      /* also write the lens sheet as a height map, from optics */
     lf_stripes stripes;
     lf_compress compress;
     int bits; /* 8 or 16 */
@@ -219,9 +221,13 @@ typedef struct lf_print_witness {
 /* The file's row that row i of the witness holds. */
 int lf_print_witness_at(const lf_print_witness *witness, int i);
 void lf_print_witness_finish(lf_print_witness *witness); /* accepts NULL */
+typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
 
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
 typedef struct lf_print_run {
+    lf_print_format format;
+    lf_outfile *relief;  /* of a print with relief, empty; the caller commits or abandons it */
+    lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */
@@ -233,17 +239,24 @@ typedef struct lf_print_run {
     void *context;
 } lf_print_run;
 
-/* Notes how much lf_print_write cuts from these views, how wide their borders are, and a scale
- * along the lenses over 2. print must have passed lf_print_check. */
+/* Notes how much lf_print_write cuts from these views, how wide their borders are, a scale along
+ * the lenses over 2, and what a relief may lack. print must have passed lf_print_check. */
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);
 
-/* Interlaces and streams the TIFF to tiff->fd (seekable, empty), then writes the manifest JSON. The
- * caller commits both, or abandons both on failure. Memory in addition to the views is a few MB;
- * BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date). The
- * manifest's sha256 is null if the TIFF's descriptor cannot be read back.
+/* Checks that the disk has room for the file, so that nobody renders in vain. A compressed file
+ * counts as a tenth of its raster. path: its name, in a folder that exists. print must have passed
+ * lf_print_check. LF_E_IO: it does not fit. */
+LF_NODISCARD lf_status lf_print_check_room(const lf_print *print, lf_print_format format,
+                                           const char *path, lf_error *err);
+
+/* Interlaces and streams the TIFF or PDF to tiff->fd (seekable, empty), then writes the manifest
+ * JSON. The caller commits both, or abandons both on failure. Memory in addition to the views is a
+ * few MB; BigTIFF if the raster may exceed 4 GiB. The bytes depend only on the arguments (no date).
+ * The manifest's sha256 is null if the TIFF's descriptor cannot be read back. With print->relief,
+ * the height map is written to run->relief first; LF_E_ARG: the sheet's optics give no lens.
  *
  * Views of the shape's size are used unchanged. Others are resampled (by area to a smaller size,
  * linearly to a larger one), which the manifest records. views->n_views may differ from
@@ -253,6 +266,20 @@ double lf_print_lenses(const lf_print *print);
 LF_NODISCARD lf_status lf_print_write(const lf_print *print, const lf_views32 *views,
                                       const lf_print_run *run, lf_outfile *tiff,
                                       lf_outfile *manifest, lf_error *err);
+
+/* Frames for shops that interlace themselves (print->frame_ppi): every view as a TIFF of the
+ * print's size with its bleed, upright, with square pixels.
+ *
+ * lf_frame_set_print: the print whose shape the views and frames have (lf_print_shape_of); one for
+ * all frames. lf_frame_set_check: lf_print_check, and what frames cannot have; LF_E_ARG.
+ * lf_frame_set_write: files[0] is order.txt for people, files[1] the manifest, then one TIFF per
+ * view of the print, from the leftmost (topmost) camera. Errors of lf_print_write. */
+enum { LF_FRAME_SET_TOLD = 2 };
+lf_print lf_frame_set_print(const lf_print *print);
+LF_NODISCARD lf_status lf_frame_set_check(const lf_print *print, lf_error *err);
+LF_NODISCARD lf_status lf_frame_set_write(const lf_print *print, const lf_views32 *views,
+                                          const lf_print_run *run, lf_outfile *files,
+                                          lf_error *err);
 
 /* Writes a pitch test chart (quilt/print/chart.h) of the print's size and its manifest, like
  * lf_print_write. exposure and tonemap of run are not used. LF_E_ARG as for lf_print_check, and if

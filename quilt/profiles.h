@@ -106,6 +106,7 @@ lf_print_given lf_print_given_in(const struct json_t *values);
 /* What the profiles gave: one line per profile, and warnings. */
 typedef struct lf_profile_told {
     lf_image_notes lines, warnings;
+    const char *pitch_kind; /* how the pitch is known, static text; NULL: it was given */
 } lf_profile_told;
 
 /* Fills a print from profiles, except for keys that were given. lens or printer may be NULL.
@@ -170,6 +171,9 @@ const char *lf_profile_kind_name(lf_profile_kind kind);
 /* True if text may be the name of a profile: 1 to 63 letters, digits, or -+_. of which the first is
  * a letter or a digit. */
 bool lf_profile_is_name(const char *text);
+/* True if the name of a profile is the path of a file, for which the rule of readable paths
+ * holds. */
+bool lf_profile_is_path(const char *name);
 /* The user's folder "…/quiltd/lenses" (LF_PROFILE_LENS) in out. LF_E_STATE: no home is known. */
 LF_NODISCARD lf_status lf_profile_own_folder(lf_profile_kind kind, char out[static PATH_MAX],
                                              lf_error *err);

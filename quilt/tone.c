@@ -309,8 +309,21 @@ void lf_tone_dither(const lf_tone *tone, int view, int row, size_t n, const floa
     }
 }
 
+/* display_light where the curve changes nothing, for whole lines. */
+static void lights_clamped(const lf_tone *tone, size_t n_values, const float *in, float *out)
+{
+    for (size_t i = 0; i < n_values; i++) {
+        const double x = (double)in[i] * tone->gain;
+        out[i] = (float)(x > 0 ? x < 1 ? x : 1 : 0);
+    }
+}
+
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out)
 {
+    if (tone->map->curve == clamp) {
+        lights_clamped(tone, 3 * n, in, out);
+        return;
+    }
     for (size_t i = 0; i < n && tone->map->mixture; i++)
         lights_mixed(tone, in + 3 * i, out + 3 * i);
     for (size_t i = 0; i < 3 * n && !tone->map->mixture; i++)

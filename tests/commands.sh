@@ -21,7 +21,7 @@ trap 'stop_daemon; rm -rf "$top"' EXIT
 smaller() {
     cat << 'END'
 #!/bin/bash
-case " $* " in *' --chart '*) exec "$PROGRAMS/quiltrender" "$@" ;; esac
+case " $* " in *' --chart '* | *' --simulate '*) exec "$PROGRAMS/quiltrender" "$@" ;; esac
 program=${0##*/} option='' length='' size='' device='' arguments=()
 for word in "$@"; do
     case $option in
@@ -57,7 +57,7 @@ END
 }
 set_up_reader() { # folder, size of views: the reader's programs, home, session and model
     export PROGRAMS=$out VIEW_SIZE=$2 HOME=$1 XDG_RUNTIME_DIR=$1/run PATH="$1/bin:$out:$PATH" PYTHONPATH=$src/clients/python
-    unset QUILTD_SOCKET
+    unset QUILTD_SOCKET XDG_CONFIG_HOME
     mkdir -p "$1/bin"
     mkdir -m 700 "$XDG_RUNTIME_DIR"
     cd "$1" || exit 1

@@ -46,7 +46,7 @@ for page in "$src"/docs/guide/*.md; do
     report "$name: what its reader has" "$([ "$rc" -eq 0 ] || cat "$top/setup.log")"
     before=$commands
     run_page "$page" "$name: " :
-    written=$(grep -cE "^    quilt(d|ctl|render|sim|bench|web)( |$)" "$page")
+    written=$(grep -cE "^    quilt(d|ctl|render|print|sim|bench|web)( |$)" "$page")
     report "$name: its commands ran" "$([ "$((commands - before))" -ge "$written" ] || echo "$((commands - before)) of $written")"
 done
 end

@@ -18,6 +18,7 @@ fuzz_libs_render := render base
 fuzz_libs_rpc := $(filter-out tools model,$(libraries))
 fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
+fuzz_libs_profile := quilt base
 fuzz_libs_print_file := quilt base
 fuzz_libs_probe := engine quilt base
 fuzz_libs_mesh := meshes render base

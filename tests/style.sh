@@ -353,7 +353,7 @@ reading_libraries() { # programs
     done
 }
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
-    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench quiltweb)"
+    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltprint quiltsim quiltbench quiltweb)"
 else
     report reading_libraries "the rule does not see what quiltimport needs"
 fi

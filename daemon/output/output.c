@@ -83,8 +83,10 @@ char *lf_output_file_name(const lf_output_kind *kind, const char *path, int i)
     return kind->file_name ? kind->file_name(path, i) : lf_strdup(path);
 }
 
-int lf_output_n_files(const lf_output_kind *kind, int n_views)
+int lf_output_n_files(const lf_output_kind *kind, const lf_print *print, int n_views)
 {
+    if (kind->count && print)
+        return kind->count(print);
     return kind->n_files > 0 ? kind->n_files : n_views;
 }
 
@@ -229,7 +231,7 @@ lf_status lf_output_write(const lf_output_request *request, const lf_output_sour
 {
     const lf_output_kind *kind = request->kind;
     const bool in_folder = kind->surplus && request->n_fds == 0;
-    const int n = lf_output_n_files(kind, source ? views_of(source) : 0);
+    const int n = lf_output_n_files(kind, request->print, source ? views_of(source) : 0);
     output_files files = {0};
     bool made = false;
     lf_status status = output_check_cancel(request, err);

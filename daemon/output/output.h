@@ -110,6 +110,8 @@ struct lf_output_kind {
     unsigned layers;  /* bits of lf_layer that views32 must have; if any, the kind reads rgbd */
     const char *asks; /* with check_print: the required keys of print */
     int n_files;      /* 0: one per view */
+    /* The number of files for this print, instead of n_files; may be NULL. */
+    int (*count)(const lf_print *print);
     /* Checks print; *out_warning is static text or NULL. LF_E_ARG. NULL: the kind reads no
      * print. */
     lf_status (*check_print)(const lf_print *print, const char **out_warning, lf_error *err);
@@ -143,6 +145,10 @@ struct lf_output_kind {
 LF_OUTPUT_KINDS(LF_DECLARE_OUTPUT)
 #undef LF_DECLARE_OUTPUT
 
+/* Frames of a print (lf_frame_set_write) in a folder: quiltrender's --frame-set. Not in the list,
+ * since the socket has no such export. */
+extern const lf_output_kind lf_output_frame_set;
+
 /* All kinds as a list, ended by NULL. */
 extern const lf_output_kind *const lf_output_kinds[];
 
@@ -165,8 +171,8 @@ LF_NODISCARD lf_status lf_output_path(const lf_output_kind *kind, const char *pa
 /* The name of the i-th file of an output with this final name; caller frees with lf_free; NULL =
  * out of memory. */
 char *lf_output_file_name(const lf_output_kind *kind, const char *path, int i);
-/* The number of its files. */
-int lf_output_n_files(const lf_output_kind *kind, int n_views);
+/* The number of its files. print: NULL if the kind reads none, or for the usual number. */
+int lf_output_n_files(const lf_output_kind *kind, const lf_print *print, int n_views);
 
 /* Writes the output. request->path must come from lf_output_path. source is not read for kinds with
  * is_drawn. LF_E_ARG (contradictions, wrong number of fds), LF_E_EXISTS, LF_E_IO, LF_E_NOMEM,
@@ -186,6 +192,8 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
  * plane; the bleed is outside it. For horizontal lenses the rig is rolled, and the print must be
  * written with `rolled`. print must have passed lf_print_check. */
 void lf_output_print_view(const lf_print *print, lf_render_settings *settings);
+/* The format of a print or chart with this name. */
+lf_print_format lf_output_print_format(const char *path);
 /* The second step, once the cone is final: micro sheets have a grid of cameras as wide and as high
  * as the cone, whose lenses are square or hexagonal. Other prints keep their rig. */
 void lf_output_print_rig(const lf_print *print, lf_camera *camera);

@@ -41,7 +41,7 @@ lf_status output_still_path(const char *path, const lf_layout *layout, char **ou
 extern const char *const output_quilt_endings[];
 lf_status output_quilt_write(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err);
-/* Prints and charts are a TIFF and its manifest "OUT.json": their endings and file names. */
+/* Prints and charts are a TIFF or PDF and its manifest "OUT.json": their endings and file names. */
 extern const char *const output_print_endings[];
 char *output_print_file(const char *path, int i);
 /* The part of the request that the print writer needs. */

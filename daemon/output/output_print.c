@@ -1,6 +1,8 @@
-/* Lenticular prints: their views, and the TIFF with its manifest. */
+/* Lenticular prints: their views, and the TIFF or PDF with its manifest. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "daemon/output/content.h"
@@ -32,6 +34,8 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
     /* trim size in the rig's picture: across and up */
     double width = print->horizontal ? print->height_mm : print->width_mm;
     double height = print->horizontal ? print->width_mm : print->height_mm;
+    if (print->frame_ppi > 0)
+        rendered = lf_frame_set_print(print);
     rendered.rolled = print->horizontal;
     lf_print_shape_of(&rendered, &shape);
     if (print->horizontal)
@@ -68,27 +72,40 @@ void lf_output_print_rig(const lf_print *print, lf_camera *camera)
     camera->own_windows = false;
 }
 
-static char *manifest_path(const char *path)
+/* A name beside OUT.tif: its stem with another end. */
+static char *beside(const char *path, const char *end)
 {
     const char *slash = strrchr(path, '/');
     const char *dot = strrchr(path, '.');
     size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
-    char *manifest = lf_calloc(stem + sizeof ".json", 1);
-    if (manifest) {
-        memcpy(manifest, path, stem);
-        memcpy(manifest + stem, ".json", sizeof ".json");
+    char *name = lf_calloc(stem + strlen(end) + 1, 1);
+    if (name) {
+        memcpy(name, path, stem);
+        memcpy(name + stem, end, strlen(end));
     }
-    return manifest;
+    return name;
 }
 
 char *output_print_file(const char *path, int i)
 {
-    return i == 0 ? lf_strdup(path) : manifest_path(path);
+    return i == 0 ? lf_strdup(path) : beside(path, i == 1 ? ".json" : "_relief.tif");
+}
+
+static int count_files(const lf_print *print)
+{
+    return lf_output_print.n_files + print->relief;
+}
+
+lf_print_format lf_output_print_format(const char *path)
+{
+    return lf_path_has_ending(path, ".pdf") ? LF_PRINT_PDF : LF_PRINT_TIFF;
 }
 
 lf_print_run output_print_run(const lf_output_request *request)
 {
-    return (lf_print_run){.settings = request->settings,
+    return (lf_print_run){.format = lf_output_print_format(request->path),
+                          .pool = request->pool,
+                          .settings = request->settings,
                           .witness = request->witness,
                           .cancel = request->cancel,
                           .progress = request->progress,
@@ -126,12 +143,15 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     if (!(print.view_aspect > 0))
         print.view_aspect = source->aspect;
     lf_image_notes notes = {0};
-    note_laid(request, source, &print, &views, &notes);
+    const lf_print laid = print.frame_ppi > 0 ? lf_frame_set_print(&print) : print;
+    note_laid(request, source, &laid, &views, &notes);
     run.notes = &notes;
-    return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    run.relief = print.relief ? &files[2] : NULL;
+    return print.frame_ppi > 0 ? lf_frame_set_write(&print, &views, &run, files, err)
+                               : lf_print_write(&print, &views, &run, &files[0], &files[1], err);
 }
 
-const char *const output_print_endings[] = {".tif", ".tiff", NULL};
+const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};
 
 const lf_output_kind lf_output_print = {.name = "print",
                                         .what = "a print",
@@ -139,6 +159,58 @@ const lf_output_kind lf_output_print = {.name = "print",
                                         .option = "print",
                                         .asks = "lpi, width and height (mm)",
                                         .n_files = 2,
+                                        .count = count_files,
                                         .check_print = lf_print_check,
                                         .file_name = output_print_file,
                                         .write = write_files};
+
+/* ------------------------------------------------------------------------------------- frames --
+ */
+
+static char *frame_file(const char *folder, int i)
+{
+    char name[32];
+    snprintf(name, sizeof name, "frame_%03d.tif", i - LF_FRAME_SET_TOLD + 1);
+    return lf_path_join(folder, i == 0 ? "order.txt" : i == 1 ? "frames.json" : name);
+}
+
+static int count_frames(const lf_print *print)
+{
+    return LF_FRAME_SET_TOLD + print->n_views;
+}
+
+static lf_status check_frames(const lf_print *print, const char **out_warning, lf_error *err)
+{
+    if (out_warning)
+        *out_warning = NULL;
+    return lf_frame_set_check(print, err);
+}
+
+/* Counts or removes frames beyond the first n files. */
+static int surplus_frames(const char *folder, int n, bool remove)
+{
+    int count = 0;
+    for (int i = n; i < LF_FRAME_SET_TOLD + LF_MAX_VIEWS; i++) {
+        char *name = frame_file(folder, i);
+        if (name && access(name, F_OK) == 0) {
+            count++;
+            if (remove)
+                unlink(name);
+        }
+        lf_free(name);
+    }
+    return count;
+}
+
+static const char *const folder_endings[] = {"/", NULL};
+
+const lf_output_kind lf_output_frame_set = {.name = "frames",
+                                            .what = "a frame set",
+                                            .endings = folder_endings,
+                                            .option = "frame-set",
+                                            .asks = "lpi, width and height (mm)",
+                                            .count = count_frames,
+                                            .check_print = check_frames,
+                                            .file_name = frame_file,
+                                            .write = write_files,
+                                            .surplus = surplus_frames};

@@ -62,10 +62,10 @@ static lf_status take_profile(const lf_server *server, const char *name, const c
     lf_status status = LF_OK;
     if (!name)
         return LF_OK;
-    if (lf_profile_is_name(name) && !lf_path_has_ending(name, ".json"))
-        path = lf_strdup(name);
-    else
+    if (lf_profile_is_path(name))
         status = lf_server_read_path(server, name, &path, err);
+    else
+        path = lf_strdup(name);
     *out = path;
     return status == LF_OK && !path ? lf_error_set(err, LF_E_NOMEM, name, "out of memory") : status;
 }

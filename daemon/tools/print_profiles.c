@@ -158,9 +158,9 @@ static void show_keys(json_t *values)
 
 lf_status lf_profiles_show(const lf_profiles_command *command, lf_error *err)
 {
-    profile_place place;
+    lf_profile_place place;
     json_t *values = NULL;
-    lf_status status = profile_place_of(command, &place, err);
+    lf_status status = lf_profile_place_of(command, &place, err);
     if (status == LF_OK)
         status = lf_profile_json(place.path, NULL, &values, err);
     if (status == LF_OK)

@@ -4,15 +4,15 @@
 
 #include "daemon/tools/print_profiles.h"
 
-typedef struct profile_place {
+typedef struct lf_profile_place {
     lf_profile_kind kind;
     const char *name;
     char path[PATH_MAX]; /* of its file */
-} profile_place;
+} lf_profile_place;
 
 /* The profile that the words "[lens|printer] NAME" mean. LF_E_ARG: none, or both a lens and a
  * printer. */
-LF_NODISCARD lf_status profile_place_of(const lf_profiles_command *command, profile_place *out,
-                                        lf_error *err);
+LF_NODISCARD lf_status lf_profile_place_of(const lf_profiles_command *command,
+                                           lf_profile_place *out, lf_error *err);
 
 #endif

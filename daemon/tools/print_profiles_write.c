@@ -71,7 +71,8 @@ static lf_status origin_of(const lf_profiles_command *command, lf_profile_kind k
     return lf_profile_find(kind, name, out, err);
 }
 
-lf_status profile_place_of(const lf_profiles_command *command, profile_place *out, lf_error *err)
+lf_status lf_profile_place_of(const lf_profiles_command *command, lf_profile_place *out,
+                              lf_error *err)
 {
     lf_error other;
     char path[PATH_MAX];
@@ -238,6 +239,8 @@ static lf_status start_of(const lf_profiles_command *command, lf_profile_kind ki
                           lf_error *err)
 {
     lf_error none;
+    if (target_of(command, kind, name, origin, err) != LF_OK)
+        return err->status;
     if (origin_of(command, kind, name, origin, &none) != LF_OK) {
         origin[0] = '\0';
         *out = json_pack("{s:i}", versions[kind], 1);
@@ -387,7 +390,9 @@ lf_status lf_profiles_calibrate(const lf_profiles_command *command, lf_error *er
         return lf_error_set(err, LF_E_ARG, "calibrate",
                             "expected LENS PRINTER RESULT.json, or KEY=VALUE");
     const char *name = command->words[0];
-    lf_status status = origin_of(command, LF_PROFILE_LENS, name, origin, err);
+    lf_status status = target_of(command, LF_PROFILE_LENS, name, origin, err);
+    if (status == LF_OK)
+        status = origin_of(command, LF_PROFILE_LENS, name, origin, err);
     if (status == LF_OK)
         status = origin_of(command, LF_PROFILE_PRINTER, command->words[1], printer, err);
     if (status == LF_OK)
@@ -417,10 +422,10 @@ lf_status lf_profiles_calibrate(const lf_profiles_command *command, lf_error *er
 
 lf_status lf_profiles_remove(const lf_profiles_command *command, lf_error *err)
 {
-    profile_place place;
+    lf_profile_place place;
     char path[PATH_MAX];
     lf_error none;
-    lf_status status = profile_place_of(command, &place, err);
+    lf_status status = lf_profile_place_of(command, &place, err);
     if (status == LF_OK)
         status = target_of(command, place.kind, place.name, path, err);
     if (status != LF_OK)

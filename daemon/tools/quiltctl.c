@@ -169,6 +169,14 @@ static void make_absolute(json_t *params, const char *key)
     free(here);
 }
 
+/* A profile may also be a name. */
+static void make_profile_absolute(json_t *params, const char *key)
+{
+    const char *name = json_string_value(json_object_get(params, key));
+    if (name && lf_profile_is_path(name))
+        make_absolute(params, key);
+}
+
 /* Makes the folder in a device's spec absolute. */
 static void make_spec_absolute(json_t *params)
 {
@@ -196,6 +204,8 @@ static void make_all_absolute(json_t *params)
     if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
         make_absolute(params, "file");
     make_absolute(params, "icc");
+    make_profile_absolute(params, "lens");
+    make_profile_absolute(params, "printer");
     make_absolute(params, "folder");
     make_spec_absolute(params);
     json_array_foreach(json_object_get(params, "entries"), i, entry)

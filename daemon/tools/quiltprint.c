@@ -61,7 +61,7 @@ static void print_help(void)
 {
     char left[80];
     printf("Usage: quiltprint COMMAND [words] [options]\n"
-           "Keep profiles of lens sheets and printers, for --lens and --printer of quiltrender, "
+           "Keep profiles of lens sheets and printers, which quiltrender and quiltd print with, "
            "and check prints.\n"
            "\n");
     for (int i = 0; i < N_COMMANDS; i++) {

@@ -13,6 +13,7 @@
 #include "daemon/tools/batch.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering_plan.h"
+#include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
@@ -144,6 +145,10 @@ int main(int argc, char **argv)
     lf_error err = {0};
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (lf_simulate_is_wanted(argc, argv)) {
+        catch_signals();
+        return lf_simulate_run(argc, argv, &cancel);
+    }
     lf_papers_add();
     const lf_status status = lf_render_arguments_parse(argc, argv, &a, &done, &err);
     if (status == LF_E_IO) {

@@ -51,6 +51,7 @@ static void print_help(void)
 {
     printf("Usage: quiltrender SCENE -o OUT [options]\n"
            "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+           "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
            "       quiltrender --state-info FILE\n"
            "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
            "folder of views.\n"
@@ -82,6 +83,8 @@ static void print_help(void)
            "least one\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-denoised-error");
+    printf("\nA finished print, seen through its sheet (with --print and the options after it):\n");
+    lf_param_print_help(lf_simulate_params, NULL);
     printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
@@ -166,10 +169,10 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
     else if (kind)
         a->asked = kind;
     if (params == lf_print_params)
-        lf_print_give(&a->given, kind ? lf_param_find(lf_print_params, "print") : row);
+        lf_print_give(&a->of_print.given, kind ? lf_param_find(lf_print_params, "print") : row);
     if ((params == lf_print_params || params == lf_profile_params || params == lf_check_params) &&
-        !kind && !a->print_option)
-        a->print_option = row->option;
+        !kind && !a->of_print.option)
+        a->of_print.option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
     if ((params == lf_photo_params || params == lf_picture_params ||
@@ -180,6 +183,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
     a->depth.inverts |= is_inversion;
     if (!a->depth.option && (is_inversion || lf_param_among(row, of_depth)))
         a->depth.option = row->option;
+    if (params == lf_simulate_params && !a->of_print.simulate.first)
+        a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -266,8 +271,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_ARG, where,
                             "cannot be combined with --%s; run one job for each output",
                             a->asked_too->option);
-    if (!a->kind->check_print && a->print_option)
-        return refuse_option(a->print_option, reads_print, err);
+    if (!a->kind->check_print && a->of_print.option)
+        return refuse_option(a->of_print.option, reads_print, err);
     if (a->kind->check_print && !(a->print.width_mm > 0))
         return lf_error_set(err, LF_E_ARG, where,
                             a->asked ? "needs --print-size WxH in mm"
@@ -326,10 +331,12 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     const bool is_video = lf_output_fits(&lf_output_video, a->out);
     if (a->asked && !(a->asked == &lf_output_still && is_video))
         a->kind = a->asked;
-    else if (a->profiles.lens && lf_output_fits(&lf_output_print, a->out))
+    else if (a->of_print.profiles.lens && lf_output_fits(&lf_output_print, a->out))
         a->kind = &lf_output_print; /* --print is not needed: profiles give pitch and raster */
     else
         status = kind_of_ending(a->out, &a->kind, err);
+    if (status == LF_OK && a->kind == &lf_output_print && a->print.frame_ppi > 0)
+        a->kind = &lf_output_frame_set;
     if (status == LF_OK && a->kind->is_drawn && !a->asked_too)
         status = refuse_rendering(a, err);
     if (status == LF_OK)
@@ -439,7 +446,9 @@ static lf_status take_batch(lf_render_arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_ARG, a->out,
                             "is the folder of the images; choose another folder for the outputs");
     a->depth.batch = a->out;
-    const bool is_print = a->asked ? a->asked->check_print != NULL : a->profiles.lens != NULL;
+    bool is_print = a->of_print.profiles.lens;
+    if (a->asked)
+        is_print = a->asked->check_print;
     a->out = is_print                                     ? "batch.tif"
              : a->asked == &lf_output_wiggle              ? "batch.gif"
              : is_jpeg && !(a->asked && a->asked->layers) ? "batch.jpg"
@@ -454,6 +463,11 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
+    if (a->of_print.simulate.first) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->of_print.simulate.first);
+        return lf_error_set(err, LF_E_ARG, where, "needs --simulate and a finished print");
+    }
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");
     if (optind + 1 < argc)
@@ -501,8 +515,9 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_panel_params, NULL, &a->panel},
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
-                                     {lf_profile_params, NULL, &a->profiles},
-                                     {lf_check_params, NULL, &a->check},
+                                     {lf_profile_params, NULL, &a->of_print.profiles},
+                                     {lf_simulate_params, NULL, &a->of_print.simulate},
+                                     {lf_check_params, NULL, &a->of_print.check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},

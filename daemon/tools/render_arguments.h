@@ -8,6 +8,7 @@
 #include "daemon/output/render_job.h"
 #include "daemon/output/video.h"
 #include "daemon/tools/print_check.h"
+#include "daemon/tools/simulate.h"
 
 #define LF_RENDER_PROGRAM "quiltrender"
 
@@ -24,6 +25,15 @@ typedef struct lf_depth_arguments {
      * `out` is then a name for checks. NULL: one output */
     const char *batch;
 } lf_depth_arguments;
+
+/* Options of prints, besides those of lf_print. */
+typedef struct lf_print_arguments {
+    lf_profile_names profiles; /* --lens and --printer */
+    lf_print_given given;      /* keys of lf_print that options gave */
+    const char *option;        /* the first option that needs --print or --chart */
+    lf_check_arguments check;
+    lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
+} lf_print_arguments;
 
 /* The parsed command line. */
 typedef struct lf_render_arguments {
@@ -42,12 +52,9 @@ typedef struct lf_render_arguments {
     unsigned budgets; /* bits: --passes, --spp, --time; if one is repeated, the last counts */
     int n_budgets;    /* number of budgets, error targets included: 0 or 1 */
     const char *render_option; /* the first option that needs path tracing */
-    const char *print_option;  /* the first option that needs --print or --chart */
-    const char *panel_option;  /* the first option that needs --panel */
-    lf_print print;            /* of the options alone */
-    lf_profile_names profiles; /* --lens and --printer */
-    lf_print_given given;      /* keys of print that options gave */
-    lf_check_arguments check;
+    lf_print_arguments of_print;
+    const char *panel_option; /* the first option that needs --panel */
+    lf_print print;           /* of the options alone */
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */
     const char *rgbd_option;  /* the first option that needs --rgbd */

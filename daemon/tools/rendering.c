@@ -92,30 +92,31 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 static void warn_of_depth(const lf_rendering *r)
 {
     const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
+    const lf_render_settings settings = lf_rendering_in_lenses(r);
     lf_depth depth;
     char words[LF_DEPTH_WORDS];
-    if (!lf_scene_depth(r->scene, &r->settings, &depth)) {
+    if (!lf_scene_depth(r->scene, &settings, &depth)) {
         if (r->arguments->options.guides)
             lf_log(LF_LOG_WARNING, "--guides: marks nothing; it needs objects in front of at least "
                                    "two views with the same window");
         return;
     }
-    if (lf_depth_exceeds(&depth, &r->settings.camera, place))
+    if (lf_depth_exceeds(&depth, &settings.camera, place))
         lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene,
-               lf_depth_words(&depth, r->settings.width, place, words, sizeof words));
+               lf_depth_words(&depth, settings.width, place, words, sizeof words));
 }
 
 /* Measures a scene's depth for the manifest of a print. */
 static void measure_depth(lf_rendering *r)
 {
+    const lf_render_settings settings = lf_rendering_in_lenses(r);
     lf_depth depth;
     if (!r->scene)
         return;
     r->print.parallax_lenses = 0;
-    if (r->arguments->kind->check_print && lf_scene_depth(r->scene, &r->settings, &depth) &&
-        (lf_depth_shift(&depth) <= 1 ||
-         lf_depth_exceeds(&depth, &r->settings.camera, LF_DEPTH_PRINT)))
-        r->print.parallax_lenses = fmin(lf_depth_shift(&depth), r->settings.width);
+    if (r->arguments->kind->check_print && lf_scene_depth(r->scene, &settings, &depth) &&
+        (lf_depth_shift(&depth) <= 1 || lf_depth_exceeds(&depth, &settings.camera, LF_DEPTH_PRINT)))
+        r->print.parallax_lenses = fmin(lf_depth_shift(&depth), settings.width);
 }
 
 /* Warns once if the camera sees no object of the scene. */
@@ -378,7 +379,7 @@ static lf_status write_track(const lf_rendering *r, const lf_output_request *req
 
 static bool wants_check(const lf_rendering *r)
 {
-    return lf_rendering_kind(r)->check_print && !r->arguments->check.off &&
+    return lf_rendering_kind(r)->check_print && !r->arguments->of_print.check.off &&
            (lf_path_has_ending(r->path, ".tif") || lf_path_has_ending(r->path, ".tiff"));
 }
 

@@ -100,6 +100,9 @@ void lf_rendering_state_look(lf_rendering *r, const lf_render_progress *progress
  * not possible with these cameras or this integrator. */
 LF_NODISCARD lf_status lf_rendering_state_spend(lf_rendering *r, const lf_budget *budget,
                                                 float *film, lf_error *err);
+/* The settings by which depth is measured: those of the views, but a frame set is counted in lenses
+ * across, like an interlaced print. */
+lf_render_settings lf_rendering_in_lenses(const lf_rendering *r);
 /* Checks that r->path is neither an input nor the manifest of another output. */
 LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err);
 /* The kind of the files: the arguments' kind. Exception: a single view is a plain picture or video,

@@ -12,7 +12,7 @@
 static bool is_there(const lf_rendering *r)
 {
     const lf_output_kind *kind = lf_rendering_kind(r);
-    int n = lf_output_n_files(kind, lf_camera_views(&r->settings.camera));
+    int n = lf_output_n_files(kind, &r->print, lf_camera_views(&r->settings.camera));
     bool there = true;
     for (int i = 0; i < n && there; i++) {
         char *file = lf_output_file_name(kind, r->path, i);

@@ -204,16 +204,27 @@ static bool is_alone(const lf_rendering *r)
     return !lf_path_has_ending(r->arguments->scene, ".json");
 }
 
+lf_render_settings lf_rendering_in_lenses(const lf_rendering *r)
+{
+    lf_render_settings settings = r->settings;
+    if (r->print.frame_ppi > 0)
+        settings.width = (int)fmax(1, round(settings.width * r->print.lpi / r->print.frame_ppi));
+    return settings;
+}
+
 /* A file without a scene has no cone: for a print it is as wide as lenses show sharply. */
 static void narrow_cone(lf_rendering *r)
 {
     lf_camera *camera = &r->settings.camera;
     const double before = camera->cone;
     lf_depth depth;
-    for (int i = 0; i < 8 && lf_scene_depth(r->scene, &r->settings, &depth) &&
-                    lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT);
-         i++)
+    for (int i = 0; i < 8; i++) {
+        const lf_render_settings in_lenses = lf_rendering_in_lenses(r);
+        if (!lf_scene_depth(r->scene, &in_lenses, &depth) ||
+            !lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT))
+            break;
         camera->cone *= 0.98 / lf_depth_shift(&depth);
+    }
     if (camera->cone < before && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_INFO,
                "%s: the view cone is %.1f degrees instead of %.0f, so that the lenses show all of "
@@ -402,7 +413,7 @@ static lf_status check_manifest(const lf_output_kind *kind, const char *print, c
         if (!json_object_get(there, "quiltd_print"))
             status = lf_error_set(
                 err, LF_E_ARG, path,
-                "exists and is not a print manifest; choose another name for the TIFF file");
+                "exists and is not a print manifest; choose another name for the print");
         json_decref(there);
     }
     lf_free(path);
@@ -419,6 +430,8 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
+    if (status == LF_OK && a->kind->check_print && a->kind->n_files > 0 && !a->plan)
+        status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
 
@@ -600,8 +613,8 @@ static lf_status open_profiles(lf_rendering *r, lf_error *err)
     r->asked = a->print;
     if (!a->kind->check_print)
         return LF_OK;
-    lf_status status =
-        lf_profiles_open(&a->profiles, NULL, &a->given, &r->asked, &r->profiles, err);
+    lf_status status = lf_profiles_open(&a->of_print.profiles, NULL, &a->of_print.given, &r->asked,
+                                        &r->profiles, err);
     if (status != LF_OK)
         return status;
     for (size_t at = 0; lf_image_notes_next(&r->profiles.told.lines, &at, line, sizeof line);)

@@ -56,7 +56,9 @@ static lf_status lay_out_print(lf_rendering *r, lf_rgbd_file *file, lf_layout *o
         lf_log(
             LF_LOG_WARNING, "%s: %s", a->scene,
             lf_rgbd_print_words(&file->rgbd, o->standing.depthiness, shift, words, sizeof words));
-    *out = lf_rgbd_print_layout(file, &r->print);
+    lf_print laid = r->print.frame_ppi > 0 ? lf_frame_set_print(&r->print) : r->print;
+    laid.n_views = r->print.n_views;
+    *out = lf_rgbd_print_layout(file, &laid);
     return LF_OK;
 }
 

@@ -222,7 +222,12 @@ lf_status lf_chart_write(const lf_print *print, const lf_print_run *run, lf_outf
     snprintf(description, sizeof description,
              "pitch test chart of %.10g to %.10g lenses per inch at %s dpi: print at 100 %%",
              lf_chart_lpi(&d.chart, 0), lf_chart_lpi(&d.chart, d.chart.n_bands - 1), d.chart.dpi);
-    const lf_print_page page = {print, d.width, d.height, description, draw_row, &d};
+    const lf_print_page page = {.print = print,
+                                .width = d.width,
+                                .height = d.height,
+                                .description = description,
+                                .draw = draw_row,
+                                .context = &d};
     status = lf_print_page_write(&page, colour, run, 0, tiff, err);
     if (status == LF_OK) {
         const lf_print_facts facts = {.print = print,

@@ -6,6 +6,7 @@
 
 #include "base/alloc.h"
 #include "quilt/print/marks.h"
+#include "quilt/print/relief.h"
 
 /* ----------------------------------------------------------------------------- what is asked -- */
 
@@ -111,7 +112,10 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
         return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
-    const lf_status optics = check_optics(print, err);
+    lf_relief relief;
+    lf_status optics = check_optics(print, err);
+    if (optics == LF_OK && print->relief)
+        optics = lf_relief_of(print, &relief, err);
     return optics != LF_OK ? optics : check_views(print, out_warning, err);
 }
 
@@ -267,36 +271,33 @@ typedef struct job {
     lf_print_source source;
     lf_print_colour *colour;
     lf_marks marks;
-    lf_stripe_mix *mix; /* [pixels across the lenses] */
+    lf_stripe_mix *mix; /* [pixels across the lenses]; NULL: not separable */
+} job;
+
+/* What draws rows. Strips that are made at the same time have one each. */
+typedef struct hand {
+    const job *job;
+    lf_print_source source; /* with a line of its own */
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
     line_key held[3];    /* horizontal: the contents of the three lines of samples */
-    lf_slanted *slanted; /* instead of mix and samples: */
+    lf_slanted *slanted; /* instead of samples: */
     lf_micro *micro;
-} job;
+} hand;
 
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
 {
     const lf_print *print = j->print;
     const int across = print->horizontal ? j->shape.raster_height : j->shape.raster_width;
-    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
-    const size_t line = (size_t)(print->horizontal ? j->shape.n_along : j->shape.n_lenses);
     lf_status status = lf_print_source_init(&j->source, print, &j->shape, views, tone);
-    if (status != LF_OK)
+    if (status != LF_OK || lf_print_is_micro(print) || !lf_print_is_separable(print))
         return status;
-    if (lf_print_is_micro(print))
-        return lf_micro_create(print, &j->shape, &j->source, &j->micro);
-    if (!lf_print_is_separable(print))
-        return lf_slanted_create(print, &j->shape, &j->source, &j->slanted);
     j->mix = lf_calloc((size_t)across, sizeof *j->mix);
-    j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
-    if (!j->mix || !j->samples)
+    if (!j->mix)
         return LF_E_NOMEM;
     for (int pixel = 0; pixel < across; pixel++)
         lf_stripe_mix_at(print, &j->shape, pixel, &j->mix[pixel]);
-    for (int line_index = 0; line_index < 3; line_index++)
-        j->held[line_index] = (line_key){-1, -1};
     return LF_OK;
 }
 
@@ -304,10 +305,41 @@ static void job_finish(job *j)
 {
     lf_print_source_finish(&j->source);
     lf_print_colour_destroy(j->colour);
-    lf_slanted_destroy(j->slanted);
-    lf_micro_destroy(j->micro);
     lf_free(j->mix);
-    lf_free(j->samples);
+}
+
+static lf_status make_samples(hand *h)
+{
+    const lf_print *print = h->job->print;
+    const lf_print_shape *shape = &h->job->shape;
+    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
+    const size_t line = (size_t)(print->horizontal ? shape->n_along : shape->n_lenses);
+    h->samples = lf_calloc(lines * line, 3 * sizeof *h->samples);
+    for (int i = 0; i < 3; i++)
+        h->held[i] = (line_key){-1, -1};
+    return h->samples ? LF_OK : LF_E_NOMEM;
+}
+
+/* Call hand_finish also after a failure. */
+static lf_status hand_init(hand *h, const job *j)
+{
+    *h = (hand){.job = j, .source = j->source};
+    const lf_status status = lf_print_source_share(&h->source);
+    if (status != LF_OK)
+        return status;
+    if (lf_print_is_micro(j->print))
+        return lf_micro_create(j->print, &j->shape, &h->source, &h->micro);
+    if (!j->mix)
+        return lf_slanted_create(j->print, &j->shape, &h->source, &h->slanted);
+    return make_samples(h);
+}
+
+static void hand_finish(hand *h)
+{
+    lf_free(h->source.line);
+    lf_slanted_destroy(h->slanted);
+    lf_micro_destroy(h->micro);
+    lf_free(h->samples);
 }
 
 /* Adds weighted pixels: out[i] = sum over slots of weight * in. */
@@ -317,50 +349,50 @@ static inline void mix_pixel(const lf_stripe_mix *mix, const float *const in[3],
         out[c] = mix->weight[0] * in[0][c] + mix->weight[1] * in[1][c] + mix->weight[2] * in[2][c];
 }
 
-static void vertical_row(job *j, int y, float *row)
+static void vertical_row(hand *h, int y, float *row)
 {
-    const size_t n_lenses = (size_t)j->shape.n_lenses;
-    for (int view = 0; view < j->print->n_views; view++)
-        lf_print_source_across(&j->source, view, y, j->samples + (size_t)view * n_lenses * 3);
-    for (int x = 0; x < j->shape.raster_width; x++) {
-        const lf_stripe_mix *mix = &j->mix[x];
+    const size_t n_lenses = (size_t)h->job->shape.n_lenses;
+    for (int view = 0; view < h->job->print->n_views; view++)
+        lf_print_source_across(&h->source, view, y, h->samples + (size_t)view * n_lenses * 3);
+    for (int x = 0; x < h->job->shape.raster_width; x++) {
+        const lf_stripe_mix *mix = &h->job->mix[x];
         const float *in[3];
         for (int slot = 0; slot < 3; slot++)
             in[slot] =
-                j->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
+                h->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
         mix_pixel(mix, in, row + 3 * (size_t)x);
     }
 }
 
 /* The line of one stripe, cached because consecutive rows share stripes. A line that this row needs
  * is never replaced, since it needs at most three and there are three. */
-static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
+static const float *stripe_line(hand *h, const lf_stripe_mix *mix, int slot)
 {
-    const size_t line_size = (size_t)j->shape.n_along * 3;
+    const size_t line_size = (size_t)h->job->shape.n_along * 3;
     int free_line = 0;
     for (int line = 0; line < 3; line++) {
         bool needed = false;
-        if (j->held[line].view == mix->view[slot] && j->held[line].lens == mix->lens[slot])
-            return j->samples + (size_t)line * line_size;
+        if (h->held[line].view == mix->view[slot] && h->held[line].lens == mix->lens[slot])
+            return h->samples + (size_t)line * line_size;
         for (int other = 0; other < 3; other++)
-            needed = needed || (j->held[line].view == mix->view[other] &&
-                                j->held[line].lens == mix->lens[other]);
+            needed = needed || (h->held[line].view == mix->view[other] &&
+                                h->held[line].lens == mix->lens[other]);
         if (!needed)
             free_line = line;
     }
-    j->held[free_line] = (line_key){mix->view[slot], mix->lens[slot]};
-    float *out = j->samples + (size_t)free_line * line_size;
-    lf_print_source_along(&j->source, mix->view[slot], mix->lens[slot], out);
+    h->held[free_line] = (line_key){mix->view[slot], mix->lens[slot]};
+    float *out = h->samples + (size_t)free_line * line_size;
+    lf_print_source_along(&h->source, mix->view[slot], mix->lens[slot], out);
     return out;
 }
 
-static void horizontal_row(job *j, int y, float *row)
+static void horizontal_row(hand *h, int y, float *row)
 {
-    const lf_stripe_mix *mix = &j->mix[y];
+    const lf_stripe_mix *mix = &h->job->mix[y];
     const float *line[3];
     for (int slot = 0; slot < 3; slot++)
-        line[slot] = stripe_line(j, mix, slot);
-    for (size_t x = 0; x < (size_t)j->shape.raster_width; x++) {
+        line[slot] = stripe_line(h, mix, slot);
+    for (size_t x = 0; x < (size_t)h->job->shape.raster_width; x++) {
         const float *in[3] = {line[0] + 3 * x, line[1] + 3 * x, line[2] + 3 * x};
         mix_pixel(mix, in, row + 3 * x);
     }
@@ -368,7 +400,8 @@ static void horizontal_row(job *j, int y, float *row)
 
 static void draw_row(void *context, int y, float *row)
 {
-    job *j = context;
+    hand *h = context;
+    const job *j = h->job;
     const int margin = j->shape.margin_px;
     if (margin > 0)
         lf_marks_row(&j->marks, y, row);
@@ -376,29 +409,78 @@ static void draw_row(void *context, int y, float *row)
     row += (size_t)margin * 3;
     if (y < 0 || y >= j->shape.raster_height)
         return;
-    if (j->micro)
-        lf_micro_row(j->micro, y, row);
-    else if (j->slanted)
-        lf_slanted_row(j->slanted, y, row);
+    if (h->micro)
+        lf_micro_row(h->micro, y, row);
+    else if (h->slanted)
+        lf_slanted_row(h->slanted, y, row);
     else if (j->print->horizontal)
-        horizontal_row(j, y, row);
+        horizontal_row(h, y, row);
     else
-        vertical_row(j, y, row);
+        vertical_row(h, y, row);
 }
 
-static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
-                              lf_error *err)
+static lf_status write_raster(job *j, const lf_print_run *run, const char *description,
+                              int rows_per_strip, lf_outfile *tiff, lf_error *err)
 {
-    char description[160], dpi[48];
-    const lf_print_page page = {j->print,    j->marks.width, j->marks.height,
-                                description, draw_row,       j};
-    snprintf(description, sizeof description,
-             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
-             j->print->n_views, j->print->lpi, lf_print_dpi_text(j->print, dpi, sizeof dpi));
-    return lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+    hand hands[LF_PRINT_MAX_HANDS];
+    void *contexts[LF_PRINT_MAX_HANDS];
+    lf_status status = LF_OK;
+    lf_print_page page = {.print = j->print,
+                          .width = j->marks.width,
+                          .height = j->marks.height,
+                          .description = description,
+                          .draw = draw_row,
+                          .hands = contexts};
+    while (page.n_hands < lf_print_hands(run) && status == LF_OK) {
+        status = hand_init(&hands[page.n_hands], j);
+        contexts[page.n_hands] = &hands[page.n_hands];
+        page.n_hands++;
+    }
+    if (status == LF_OK)
+        status = lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
+    else
+        lf_error_set(err, status, "print", "out of memory");
+    for (int i = 0; i < page.n_hands; i++)
+        hand_finish(&hands[i]);
+    return status;
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
+
+static lf_status write_relief(const lf_print *print, const lf_print_run *run, lf_relief *out,
+                              lf_error *err)
+{
+    const lf_status status = lf_relief_of(print, out, err);
+    if (status != LF_OK)
+        return status;
+    return run->relief ? lf_relief_write(out, run, run->relief, err)
+                       : lf_error_set(err, LF_E_ARG, "print", "a relief needs a file of its own");
+}
+
+static lf_status check_given(const lf_print *print, const lf_views32 *views, const char **warning,
+                             lf_error *err)
+{
+    lf_status status = lf_print_check(print, warning, err);
+    if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
+        status = lf_error_set(err, LF_E_ARG, "print", "no views");
+    if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
+        status = lf_error_set(
+            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
+            views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
+    return status;
+}
+
+/* Call job_finish also after a failure. */
+static lf_status job_start(job *j, const lf_views32 *views, const lf_tone *tone, lf_error *err)
+{
+    lf_print_shape_of(j->print, &j->shape);
+    j->marks = lf_marks_of(j->print, &j->shape);
+    lf_status status = lf_print_colour_create(j->print, &j->colour, err);
+    if (status != LF_OK)
+        return status;
+    status = job_init(j, views, tone);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
+}
 
 lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                 const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
@@ -406,31 +488,46 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
 {
     job j = {.print = print};
     lf_tone *tone = NULL;
+    lf_relief relief;
     lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
-    lf_status status = lf_print_check(print, &facts.warning, err);
-    if (status == LF_OK && (views->n_views < 1 || views->width < 1 || views->height < 1))
-        status = lf_error_set(err, LF_E_ARG, "print", "no views");
-    if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
-        status = lf_error_set(
-            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
-            views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
+    char description[160], dpi[48];
+    lf_status status = check_given(print, views, &facts.warning, err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    lf_print_shape_of(print, &j.shape);
-    j.marks = lf_marks_of(print, &j.shape);
-    status = lf_print_colour_create(print, &j.colour, err);
-    if (status == LF_OK) {
-        status = job_init(&j, views, tone);
-        if (status != LF_OK)
-            lf_error_set(err, status, "print", "out of memory");
+    status = job_start(&j, views, tone, err);
+    if (status == LF_OK && print->relief) {
+        status = write_relief(print, run, &relief, err);
+        facts.relief = &relief;
     }
+    snprintf(description, sizeof description,
+             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
+             print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
     if (status == LF_OK)
-        status = write_raster(&j, run, rows_per_strip, tiff, err);
+        status = write_raster(&j, run, description, rows_per_strip, tiff, err);
     facts.colour = j.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
+    job_finish(&j);
+    lf_tone_destroy(tone);
+    return status;
+}
+
+lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
+                               const lf_print_run *run, const char *description, lf_outfile *tiff,
+                               lf_error *err)
+{
+    job j = {.print = print};
+    lf_tone *tone = NULL;
+    lf_status status = check_given(print, view, NULL, err);
+    if (status == LF_OK)
+        status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
+    if (status != LF_OK)
+        return status;
+    status = job_start(&j, view, tone, err);
+    if (status == LF_OK)
+        status = write_raster(&j, run, description, 0, tiff, err);
     job_finish(&j);
     lf_tone_destroy(tone);
     return status;

@@ -13,6 +13,7 @@
 
 #include "quilt/axis.h"
 #include "quilt/photo.h"
+#include "quilt/print/pdf.h"
 #include "quilt/prints.h"
 
 /* ------------------------------------------------------------------------------------ raster -- */
@@ -95,7 +96,8 @@ typedef struct lf_print_source {
     size_t across_step, along_step;
     int n_across_in, n_along_in; /* samples of a view in these directions */
     lf_axis_filter across, along;
-    float *line; /* scratch: one line of a view */
+    float *line; /* scratch: one line of a view, room for line_pixels */
+    size_t line_pixels;
 } lf_print_source;
 
 /* Borrows views and tone. LF_E_NOMEM. */
@@ -103,6 +105,9 @@ LF_NODISCARD lf_status lf_print_source_init(lf_print_source *source, const lf_pr
                                             const lf_print_shape *shape, const lf_views32 *views,
                                             const lf_tone *tone);
 void lf_print_source_finish(lf_print_source *source);
+/* Gives a copy of a source a line of its own, so that another thread can use it. The caller frees
+ * the copy's line, and finishes the original last. LF_E_NOMEM, with line NULL. */
+LF_NODISCARD lf_status lf_print_source_share(lf_print_source *copy);
 /* The view of the source for stripe view i. */
 int lf_print_source_view(const lf_print_source *source, int i);
 /* Linear display light of stripe view i. across: at printer row (column) `along`, all lenses
@@ -147,19 +152,70 @@ LF_NODISCARD lf_status lf_micro_create(const lf_print *print, const lf_print_sha
 void lf_micro_destroy(lf_micro *micro);
 void lf_micro_row(lf_micro *micro, int y, float *row);
 
+/* -------------------------------------------------------------------------------------- page -- */
+
+/* The most strips of a page that are made at the same time. */
+#define LF_PRINT_MAX_HANDS 16
+
+/* The content of a file. */
+typedef struct lf_print_page {
+    const lf_print *print; /* dpi, bits, compression, mirror; trim size and bleed for the boxes */
+    int width, height;     /* pixels */
+    const char *description;
+    /* linear light of row y, [width][3], before mirroring. The rows of a strip come in order. */
+    void (*draw)(void *context, int y, float *row);
+    void *context;
+    /* Contexts for strips that are drawn at the same time, each by one thread. n_hands 0: `context`
+     * alone. */
+    void *const *hands;
+    int n_hands;
+} lf_print_page;
+
+/* How many hands a page can use in this run: 1..LF_PRINT_MAX_HANDS. */
+int lf_print_hands(const lf_print_run *run);
+
+/* Writes a whole page as run->format says. colour NULL: a TIFF of 16-bit grey; rows are then
+ * [width], 0..1, and are not mirrored. The bytes do not depend on the hands. rows_per_strip 0 =
+ * chosen from the row's size. LF_E_ARG (the page is too large for PDF), LF_E_IO (also: no room on
+ * the disk, checked first), LF_E_NOMEM, LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *colour,
+                                           const lf_print_run *run, int rows_per_strip,
+                                           lf_outfile *file, lf_error *err);
+
+/* Rows of a page on their way to the file. */
+typedef struct lf_print_strip {
+    int index, n_rows;
+    bool is_last;
+    unsigned char *data; /* device values, native byte order, without gaps */
+    size_t size;
+    lf_pdf_strip packed; /* PDF only */
+} lf_print_strip;
+
+/* A format of files. */
+typedef struct lf_print_sink {
+    /* Starts the file; *out_state is released by close or abandon. */
+    lf_status (*open)(lf_outfile *file, const lf_print_page *page, const lf_print_colour *colour,
+                      int rows_per_strip, void **out_state, lf_error *err);
+    int (*strip_rows)(const void *state);
+    /* Prepares a strip, on any thread, in any order; NULL: nothing to prepare. */
+    lf_status (*pack)(const void *state, lf_print_strip *strip);
+    /* Takes the strips in order. */
+    lf_status (*write)(void *state, lf_print_strip *strip, lf_error *err);
+    /* Ends the file and releases the state, also on failure. */
+    lf_status (*close)(void *state, lf_error *err);
+    void (*abandon)(void *state); /* accepts NULL */
+} lf_print_sink;
+
+extern const lf_print_sink lf_print_tiff_sink, lf_print_pdf_sink;
+
+/* LF_E_IO: the disk of an open file has no room for a raster of so many bytes (print_room.c). */
+LF_NODISCARD lf_status lf_print_room_for(const lf_print *print, lf_print_format format,
+                                         double raster_bytes, const lf_outfile *file,
+                                         lf_error *err);
+
 /* -------------------------------------------------------------------------------------- tiff -- */
 
 typedef struct lf_print_tiff lf_print_tiff;
-
-/* The content of a TIFF. */
-typedef struct lf_print_page {
-    const lf_print *print; /* dpi, bits, compression, mirror */
-    int width, height;     /* pixels */
-    const char *description;
-    /* linear light of row y, [width][3], before mirroring; rows come in order */
-    void (*draw)(void *context, int y, float *row);
-    void *context;
-} lf_print_page;
 
 /* Sets every tag. rows_per_strip 0 = chosen from the row's size. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_print_tiff_open(lf_outfile *file, const lf_print_page *page,
@@ -181,11 +237,6 @@ LF_NODISCARD lf_status lf_print_witness_begin(lf_print_witness *witness, int hei
  * thread, for different rows. */
 void lf_print_witness_see(lf_print_witness *witness, int y, int n, const void *rows);
 
-/* Writes a whole page. LF_E_IO, LF_E_NOMEM, LF_E_CANCELLED. */
-LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *colour,
-                                           const lf_print_run *run, int rows_per_strip,
-                                           lf_outfile *file, lf_error *err);
-
 /* ---------------------------------------------------------------------------------- manifest -- */
 
 typedef struct lf_print_facts {
@@ -196,6 +247,7 @@ typedef struct lf_print_facts {
     const lf_print_run *run;
     const char *warning; /* may be NULL */
     json_t *chart;       /* description of a chart, ownership taken; NULL for a picture */
+    const struct lf_relief *relief; /* NULL: none */
 } lf_print_facts;
 
 /* LF_E_IO, LF_E_NOMEM. */
@@ -208,5 +260,14 @@ LF_NODISCARD lf_status lf_print_manifest_write(const lf_print_facts *facts, cons
 LF_NODISCARD lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                              const lf_print_run *run, int rows_per_strip,
                                              lf_outfile *tiff, lf_outfile *manifest, lf_error *err);
+
+/* One view as an upright picture of a print without lenses, without a manifest (frame_set.c). */
+LF_NODISCARD lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
+                                            const lf_print_run *run, const char *description,
+                                            lf_outfile *tiff, lf_error *err);
+
+/* The SHA-256 and the size of a file that was written, as {name, bytes, sha256}; nulls if it cannot
+ * be read back. */
+json_t *lf_print_file_json(const lf_outfile *file);
 
 #endif

@@ -93,15 +93,14 @@ static float clamped(float v)
     return v > 0.0F ? v < 1.0F ? v : 1.0F : 0.0F;
 }
 
+/* Without branches: light changes from stripe to stripe, so that none would be foreseen. A bin has
+ * at most one border. */
 static uint8_t encode8(const lf_print_colour *colour, float linear)
 {
-    const float v = clamped(linear);
-    if (v < LOW8)
-        return 0;
-    unsigned code = colour->start8[(float_bits(v) - float_bits(LOW8)) >> SHIFT8];
-    while (v >= colour->border8[code + 1])
-        code++;
-    return (uint8_t)code;
+    float v = linear > LOW8 ? linear : LOW8; /* also for what is not a number */
+    v = v < 1.0F ? v : 1.0F;
+    const unsigned code = colour->start8[(float_bits(v) - float_bits(LOW8)) >> SHIFT8];
+    return (uint8_t)(code + (v >= colour->border8[code + 1]));
 }
 
 static uint16_t encode16(const lf_print_colour *colour, float linear)

@@ -9,7 +9,7 @@
 
 #include "base/alloc.h"
 #include "base/version.h"
-#include "quilt/print/print.h"
+#include "quilt/print/relief.h"
 
 #define HEX_SIZE (2 * SHA256_DIGEST_SIZE + 1)
 #define READ_BYTES (64 << 10)
@@ -75,7 +75,7 @@ static bool hash_file(const lf_outfile *file, char out[static HEX_SIZE], int64_t
 
 /* ------------------------------------------------------------------------------------- parts -- */
 
-static json_t *file_part(const lf_outfile *tiff)
+json_t *lf_print_file_json(const lf_outfile *tiff)
 {
     const char *slash = tiff->path ? strrchr(tiff->path, '/') : NULL;
     const char *name = slash ? slash + 1 : tiff->path;
@@ -220,11 +220,41 @@ static json_t *warning_part(const lf_print_facts *facts)
     return warnings;
 }
 
+static json_t *relief_part(const lf_print_facts *facts)
+{
+    const lf_relief *relief = facts->relief;
+    if (!relief)
+        return NULL;
+    return json_pack("{s:o, s:[f,f], s:f, s:f, s:s, s:f, s:s, s:f, s:f, s:f, s:f, s:s}", "file",
+                     lf_print_file_json(facts->run->relief), "height_mm", 0.0, relief->sag_mm,
+                     "base_mm", relief->thickness_mm - relief->sag_mm, "pitch_mm", relief->pitch_mm,
+                     "pitch_kind", relief->is_mechanical ? "mechanical" : "visual, as measured",
+                     "radius_mm", relief->radius_mm, "radius_from", relief->from, "index",
+                     lf_optics_index(&facts->print->optics), "focal_mm", relief->focal_mm,
+                     "thickness_mm", relief->thickness_mm, "spot_mm", lf_relief_spot(relief),
+                     "code",
+                     "16 bits: black is height_mm[0], white height_mm[1]; seen from the front");
+}
+
 /* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
-    return json_pack("{s:o, s:o, s:o}", "lens", lens_part(facts->print, facts->shape, options),
-                     "stripes", stripe_part(facts->print, options), "source", source_part(facts));
+    return json_pack("{s:o, s:o, s:o, s:o*}", "lens",
+                     lens_part(facts->print, facts->shape, options), "stripes",
+                     stripe_part(facts->print, options), "source", source_part(facts), "relief",
+                     relief_part(facts));
+}
+
+/* Adds the account of profiles; its warnings are among all. */
+static void add_profiles(json_t *root, const lf_print *print)
+{
+    json_t *account = json_copy((json_t *)(uintptr_t)print->profiles);
+    json_t *kind = json_object_get(account, "pitch_kind");
+    if (kind)
+        json_object_set(json_object_get(root, "lens"), "pitch_kind", kind);
+    json_object_del(account, "pitch_kind");
+    json_object_del(account, "warnings");
+    json_object_set_new(root, "profiles", account);
 }
 
 lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile *tiff,
@@ -238,20 +268,17 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
     json_t *settings = facts->run->settings ? json_deep_copy(facts->run->settings) : NULL;
     json_t *root = json_pack(
         "{s:i, s:s, s:s, s:o, s:O?, s:o, s:o, s:o, s:o?}", "quiltd_print", 1, "software",
-        "quiltd " LF_VERSION, "print_at", advice, "file", file_part(tiff), "options", options,
-        "size", size_part(facts->print, facts->shape), "colour", colour_part(facts, options),
-        "warnings", warning_part(facts), "settings", settings);
-    if (facts->print->profiles) {
-        json_t *account = json_copy((json_t *)(uintptr_t)facts->print->profiles);
-        json_object_del(account, "warnings");
-        json_object_set_new(root, "profiles", account);
-    }
+        "quiltd " LF_VERSION, "print_at", advice, "file", lf_print_file_json(tiff), "options",
+        options, "size", size_part(facts->print, facts->shape), "colour",
+        colour_part(facts, options), "warnings", warning_part(facts), "settings", settings);
     if (facts->chart)
         json_object_set_new(root, "chart", facts->chart);
     else if (json_object_update_new(root, picture_parts(facts, options)) != 0) {
         json_decref(root);
         root = NULL;
     }
+    if (root && facts->print->profiles)
+        add_profiles(root, facts->print);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15)) : NULL;
     lf_status status = LF_OK;
 

@@ -104,6 +104,11 @@ const lf_param lf_print_params[] = {
      .low = 0, .high = 0.45, .help = "dot gain of the printer at 50 %"},
     {.name = "ink_spread", .option = "ink-spread", .argument = "MM", PLACE(blur.ink_mm),
      .unit = "mm", .low = 0, .high = 1, .help = "standard deviation of the spread of ink"},
+    {.option = "frame-set", .argument = "PPI", PLACE(frame_ppi), .unit = "pixels per inch",
+     .low = 50, .high = 600,
+     .help = "with --print: write the views as TIFF files to the folder OUT, not interlaced"},
+    {.option = "relief", PLACE(relief), .type = LF_PARAM_SWITCH,
+     .help = "write the lens sheet as a height map, too: OUT_relief.tif"},
     {0},
 };
 /* clang-format on */

@@ -180,21 +180,30 @@ static bool set_compression(TIFF *tiff, lf_compress compress)
             TIFFSetField(tiff, TIFFTAG_PREDICTOR, PREDICTOR_HORIZONTAL));
 }
 
+/* Without colour: 16-bit grey, white is high. */
+static bool set_colour(TIFF *tiff, const lf_print *print, const lf_print_colour *colour)
+{
+    const int channels = colour ? lf_print_colour_channels(colour) : 1;
+    size_t profile_size;
+    const void *profile = colour ? lf_print_colour_profile(colour, &profile_size) : NULL;
+    return TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, colour ? print->bits : 16) &&
+           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, channels) &&
+           TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                        channels == 4   ? PHOTOMETRIC_SEPARATED
+                        : channels == 1 ? PHOTOMETRIC_MINISBLACK
+                                        : PHOTOMETRIC_RGB) &&
+           (channels != 4 || TIFFSetField(tiff, TIFFTAG_INKSET, INKSET_CMYK)) &&
+           (!profile || TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)profile_size, profile));
+}
+
 static bool set_tags(const lf_print_tiff *out, const lf_print_page *page,
                      const lf_print_colour *colour)
 {
     const lf_print *print = page->print;
-    const int channels = lf_print_colour_channels(colour);
     TIFF *tiff = out->tiff;
-    size_t profile_size;
-    const void *profile = lf_print_colour_profile(colour, &profile_size);
     return TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, (uint32_t)page->width) &&
            TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, (uint32_t)page->height) &&
-           TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, print->bits) &&
-           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, channels) &&
-           TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
-                        channels == 4 ? PHOTOMETRIC_SEPARATED : PHOTOMETRIC_RGB) &&
-           (channels == 3 || TIFFSetField(tiff, TIFFTAG_INKSET, INKSET_CMYK)) &&
+           set_colour(tiff, print, colour) &&
            TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) &&
            TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) &&
            set_compression(tiff, print->compress) &&
@@ -202,7 +211,6 @@ static bool set_tags(const lf_print_tiff *out, const lf_print_page *page,
            TIFFSetField(tiff, TIFFTAG_XRESOLUTION, print->dpi) &&
            TIFFSetField(tiff, TIFFTAG_YRESOLUTION, lf_print_dpi_down(print)) &&
            TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH) &&
-           TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)profile_size, profile) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, "quiltd " LF_VERSION) &&
            TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, page->description);
 }
@@ -237,13 +245,14 @@ lf_status lf_print_tiff_open(lf_outfile *file, const lf_print_page *page,
                              const lf_print_colour *colour, int rows_per_strip, lf_print_tiff **out,
                              lf_error *err)
 {
-    const size_t row_bytes = (size_t)page->width * (size_t)lf_print_colour_channels(colour) *
-                             (size_t)page->print->bits / 8;
+    const int pixel_bits = colour ? lf_print_colour_channels(colour) * page->print->bits : 16;
+    const size_t row_bytes = (size_t)page->width * (size_t)pixel_bits / 8;
     lf_print_tiff *tiff = lf_calloc(1, sizeof *tiff);
-    size_t profile_size;
+    size_t profile_size = 0;
     if (!tiff)
         return lf_error_set(err, LF_E_NOMEM, file_name(file), "out of memory");
-    lf_print_colour_profile(colour, &profile_size);
+    if (colour)
+        (void)lf_print_colour_profile(colour, &profile_size);
     tiff->file = file;
     tiff->dpi[0] = page->print->dpi;
     tiff->dpi[1] = lf_print_dpi_down(page->print);
@@ -292,3 +301,41 @@ void lf_print_tiff_abandon(lf_print_tiff *tiff)
         TIFFCleanup(tiff->tiff);
     lf_free(tiff);
 }
+
+/* -------------------------------------------------------------------------------------- sink -- */
+
+static lf_status sink_open(lf_outfile *file, const lf_print_page *page,
+                           const lf_print_colour *colour, int rows_per_strip, void **out_state,
+                           lf_error *err)
+{
+    lf_print_tiff *tiff = NULL;
+    const lf_status status = lf_print_tiff_open(file, page, colour, rows_per_strip, &tiff, err);
+    *out_state = tiff;
+    return status;
+}
+
+static int sink_strip_rows(const void *state)
+{
+    return lf_print_tiff_strip_rows(state);
+}
+
+static lf_status sink_write(void *state, lf_print_strip *strip, lf_error *err)
+{
+    return lf_print_tiff_strip(state, strip->index, strip->data, strip->size, err);
+}
+
+static lf_status sink_close(void *state, lf_error *err)
+{
+    return lf_print_tiff_close(state, err);
+}
+
+static void sink_abandon(void *state)
+{
+    lf_print_tiff_abandon(state);
+}
+
+const lf_print_sink lf_print_tiff_sink = {.open = sink_open,
+                                          .strip_rows = sink_strip_rows,
+                                          .write = sink_write,
+                                          .close = sink_close,
+                                          .abandon = sink_abandon};

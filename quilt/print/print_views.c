@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "quilt/print/print.h"
+#include "quilt/print/relief.h"
 
 /* Aspects closer than this are equal: file names round them. */
 #define SAME_ASPECT 1e-3
@@ -93,6 +93,12 @@ static lf_status laid_filters(lf_print_source *source, const lf_print *print,
     return status;
 }
 
+lf_status lf_print_source_share(lf_print_source *copy)
+{
+    copy->line = lf_calloc(copy->line_pixels, 3 * sizeof *copy->line);
+    return copy->line ? LF_OK : LF_E_NOMEM;
+}
+
 lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
                                const lf_print_shape *shape, const lf_views32 *views,
                                const lf_tone *tone)
@@ -105,14 +111,14 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
     source->n_stripe_views = print->n_views;
     source->resampled = views->width != shape->view_width || views->height != shape->view_height;
     set_axes(source, print);
-    const size_t longest = (size_t)(views->width > views->height ? views->width : views->height);
     source->place = lay(print, shape);
     lf_status status = source->resampled ? laid_filters(source, print, shape, backwards)
                                          : identity_filters(source, shape, backwards);
 
-    source->line = lf_calloc(longest, 3 * sizeof *source->line);
-    if (status == LF_OK && !source->line)
-        status = LF_E_NOMEM;
+    source->line_pixels = (size_t)(views->width > views->height ? views->width : views->height);
+    const lf_status line = lf_print_source_share(source);
+    if (status == LF_OK)
+        status = line;
     if (status != LF_OK)
         lf_print_source_finish(source);
     return status;
@@ -131,6 +137,9 @@ static double scale_along(const lf_print *print, const lf_views32 *views,
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes)
 {
     lf_print_shape shape;
+    lf_relief relief;
+    if (print->relief && lf_relief_of(print, &relief, NULL) == LF_OK)
+        lf_relief_note(&relief, notes);
     lf_print_shape_of(print, &shape);
     if (views->width == shape.view_width && views->height == shape.view_height)
         return;

@@ -15,8 +15,4 @@ typedef struct lf_profile_words {
     const char *of_printer, *date, *chart_sha256; /* of a calibration */
 } lf_profile_words;
 
-/* True if the name of a profile is the path of a file, for which the rule of readable paths
- * holds. */
-bool lf_profile_is_path(const char *name);
-
 #endif

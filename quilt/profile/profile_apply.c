@@ -122,6 +122,8 @@ static void say_sheet(filling *f)
         say_number(f, "thickness", optics->thickness_mm, "mm");
     if (f->lens->optics.index > 0 && !is_given(f->given, "index"))
         say_number(f, "index", optics->index, "");
+    else if (optics->thickness_mm > 0 && !(optics->index > 0))
+        say_number(f, "index unknown, taken as", lf_optics_index(optics), "");
     if (f->lens->optics.slant != 0 && !is_given(f->given, "slant"))
         say_number(f, "slant", optics->slant, "degrees");
     if (f->lens->has_horizontal && !is_given(f->given, "orientation"))
@@ -159,7 +161,7 @@ static lf_status take_calibration(filling *f, const lf_lens_calibration *c, int 
 {
     lf_print *print = f->print;
     lf_optics *optics = &print->optics;
-    char what[256];
+    char what[256], from[96];
     if (!is_given(f->given, "distance") && n > 1)
         return lf_error_set(f->err, LF_E_ARG, "--distance",
                             "is needed; %s has %d calibrations with %s, one of them for %g mm",
@@ -177,14 +179,13 @@ static lf_status take_calibration(filling *f, const lf_lens_calibration *c, int 
     print->lpi = is_same ? c->visual_lpi
                          : lf_profile_pitch(c->visual_lpi, c->distance_mm, wanted,
                                             optics->thickness_mm, lf_optics_index(optics));
-    snprintf(what, sizeof what, "%.4f lpi %s %g mm, measured%s%s with %s", print->lpi,
-             is_same ? "at" : "computed for", wanted, c->date[0] != '\0' ? " on " : "", c->date,
-             c->printer);
+    f->told->pitch_kind = is_same ? "visual, as measured" : "visual, from one that was measured";
+    from[0] = '\0';
+    if (!is_same)
+        snprintf(from, sizeof from, "computed for %g mm from %.4f lpi ", wanted, c->visual_lpi);
+    snprintf(what, sizeof what, "%.4f lpi %sat %g mm, measured%s%s with %s", print->lpi, from,
+             c->distance_mm, c->date[0] != '\0' ? " on " : "", c->date, c->printer);
     say(f, what);
-    if (!is_same) {
-        snprintf(what, sizeof what, "from %.4f lpi at %g mm", c->visual_lpi, c->distance_mm);
-        say(f, what);
-    }
     return LF_OK;
 }
 
@@ -203,6 +204,7 @@ static lf_status compute_pitch(filling *f)
     snprintf(what, sizeof what, "%.4f lpi computed for %g mm from %g lpi", f->print->lpi,
              optics->distance_mm, lens->pitch_lpi);
     say(f, what);
+    f->told->pitch_kind = "visual, computed, not measured";
     lf_image_note(&f->told->warnings,
                   "%s: the pitch is not measured; print a chart and keep its result with "
                   "quiltprint calibrate",
@@ -342,9 +344,10 @@ static json_t *printer_json(const lf_printer_profile *printer)
 json_t *lf_profile_account(const lf_lens_profile *lens, const lf_printer_profile *printer,
                            const lf_profile_told *told)
 {
-    return json_pack("{s:o*, s:o*, s:o, s:o}", "lens", lens ? lens_json(lens) : NULL, "printer",
-                     printer ? printer_json(printer) : NULL, "used", lines_of(&told->lines),
-                     "warnings", lines_of(&told->warnings));
+    return json_pack("{s:o*, s:o*, s:s*, s:o, s:o}", "lens", lens ? lens_json(lens) : NULL,
+                     "printer", printer ? printer_json(printer) : NULL, "pitch_kind",
+                     told->pitch_kind, "used", lines_of(&told->lines), "warnings",
+                     lines_of(&told->warnings));
 }
 
 lf_status lf_profiles_open(const lf_profile_names *names, const lf_roots *roots,

@@ -49,8 +49,8 @@ static void own_folder(lf_profile_kind kind, char out[static PATH_MAX])
 {
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
     char below[64];
-    const bool has_config =
-        config && config[0] == '/'; /* others are invalid by its specification */
+    /* relative ones are invalid by the specification */
+    const bool has_config = config && config[0] == '/';
     snprintf(below, sizeof below, "%s/quiltd/%s", has_config ? "" : "/.config", subfolders[kind]);
     out[0] = '\0';
     if (has_config || (home && home[0] == '/'))

@@ -101,19 +101,40 @@ static lf_status check_raster(const json_t *manifest, const lf_print_tags *tags,
                         tags->width, tags->height, (long long)width, (long long)height);
 }
 
+/* A manifest has all options; those that were not given are 0 or null, often out of range. A new
+ * reference; NULL: out of memory. */
+static json_t *given_options(json_t *options)
+{
+    json_t *given = json_object(), *value;
+    const char *key;
+    json_object_foreach(options, key, value)
+    {
+        const bool is_given =
+            !json_is_null(value) && !(json_is_number(value) && json_number_value(value) == 0.0);
+        if (given && is_given && json_object_set(given, key, value) != 0) {
+            json_decref(given);
+            given = NULL;
+        }
+    }
+    return given;
+}
+
 lf_status lf_proof_print_of(const lf_print_file *file, const json_t *manifest, const char *where,
                             lf_print *out, lf_error *err)
 {
     const lf_print_tags *tags = lf_print_file_tags(file);
-    const json_t *options = json_object_get(manifest, "options");
+    json_t *options = json_object_get(manifest, "options");
     lf_param_defaults(lf_print_params, out);
     from_tags(tags, out);
     if (json_object_get(manifest, "chart"))
         return lf_error_set(err, LF_E_FORMAT, where, "is a chart; it has no views to simulate");
     if (!options)
         return LF_OK;
-    lf_status status = check_raster(manifest, tags, where, err);
-    if (status == LF_OK && lf_param_from_json(lf_print_params, options, out, where, err) != LF_OK)
+    json_t *given = given_options(options);
+    lf_status status = given ? check_raster(manifest, tags, where, err)
+                             : lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    if (status == LF_OK && lf_param_from_json(lf_print_params, given, out, where, err) != LF_OK)
         status = LF_E_FORMAT;
+    json_decref(given);
     return status;
 }

@@ -43,7 +43,7 @@ lf_own_view lf_proof_own_view(const lf_print *print, const lf_proof_sheet *sheet
     const double pixel = MM_PER_INCH / dpi, stripe = MM_PER_INCH / print->lpi / sheet->n_views;
     lf_own_view own = {.worst = 1.0};
     for (int i = 0; i < ALIGNMENTS; i++) {
-        const double edge = pixel * (i + 0.5) / ALIGNMENTS;
+        const double edge = pixel * i / ALIGNMENTS;
         const double share = seen_share(sheet, pixel, edge, 0.0, 0.5 * stripe, print->stripes);
         own.mean += share / ALIGNMENTS;
         own.worst = fmin(own.worst, share);

@@ -7,6 +7,8 @@
 
 /* Of squares of differences, per pixel: below, a block has no structure. Brightness is 0..1. */
 #define LEAST_STRUCTURE 1e-4
+/* The same, between two views without structure: above, they are of different images. */
+#define MOST_UNLIKE 1e-2
 /* What may remain after matching, as a share of the structure. */
 #define MOST_LEFT 0.4
 /* Shift in front of the print that counts at its edge, in lenses. */
@@ -73,7 +75,7 @@ static match match_block(const view *a, const view *b, int i0, int line0, double
     double cost[2 * SEARCH + 1];
     int best = 0;
     if (structure(a, i0, line0) < LEAST_STRUCTURE)
-        return NOTHING;
+        return left_over(a, b, i0, line0, 0) < MOST_UNLIKE ? NOTHING : UNLIKE;
     double mean = 0.0;
     for (int s = 0; s <= 2 * SEARCH; s++) {
         cost[s] = left_over(a, b, i0, line0, s - SEARCH);

@@ -80,10 +80,89 @@ static void a_print_that_is_too_deep_is_told(void **state)
     live_finish(&l);
 }
 
+/* A print of 30 x 20 mm by profiles, with more parameters. */
+static json_t *profile_params(const char *file, const char *lens, const char *more)
+{
+    json_t *params = json_pack("{s:s, s:s, s:s, s:s, s:i, s:i}", "kind", "print", "file", file,
+                               "lens", lens, "printer", "ink", "width", 30, "height", 20);
+    json_object_update_new(params, json_loads(more, 0, NULL));
+    return params;
+}
+
+/* How the job of an export ends; "refused" if the call fails. */
+static const char *export_end(live_client *c, json_t *params)
+{
+    json_t *answer = live_call(c, "export", params);
+    const json_t *job = json_object_get(json_object_get(answer, "result"), "job");
+    const char *end = job ? live_job_end(c, json_integer_value(job)) : "refused";
+    json_decref(answer);
+    return end;
+}
+
+static double option_of(const live *l, const char *manifest, const char *key)
+{
+    json_t *json = json_load_file(lf_test_path(l->exports, manifest), 0, NULL);
+    const double value = json_number_value(json_object_get(json_object_get(json, "options"), key));
+    assert_non_null(json);
+    json_decref(json);
+    return value;
+}
+
+static void prints_take_profiles_by_name(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    live_prepare(&l);
+    char *config = lf_test_folder();
+    static const char *const folders[] = {"quiltd", "quiltd/lenses", "quiltd/printers"};
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(mkdir(lf_test_path(config, folders[i]), 0700), 0);
+    (void)lf_test_write(config, "quiltd/lenses/acme.json",
+                        "{\"quiltd_lens\": 1, \"pitch_lpi\": 30.1, \"thickness_mm\": 0.6, "
+                        "\"index\": 1.56, \"calibrations\": [{\"printer\": \"ink\", "
+                        "\"visual_lpi\": 30, \"distance_mm\": 400}]}");
+    (void)lf_test_write(config, "quiltd/printers/ink.json",
+                        "{\"quiltd_printer\": 1, \"dpi\": 360, \"dot_gain\": 0.1}");
+    char outside[PATH_MAX];
+    snprintf(outside, sizeof outside, "%s", lf_test_path(config, "quiltd/lenses/acme.json"));
+    setenv("XDG_CONFIG_HOME", config, 1);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_string_equal(export_end(&c, profile_params("a.tif", "acme", "{}")), "done");
+    assert_true(option_of(&l, "a.json", "lpi") == 30 && option_of(&l, "a.json", "dpi") == 360);
+    assert_true(option_of(&l, "a.json", "dot_gain") == 0.1);
+    assert_true(option_of(&l, "a.json", "distance") == 400);
+    json_t *manifest = json_load_file(lf_test_path(l.exports, "a.json"), 0, NULL);
+    assert_int_equal(
+        json_array_size(json_object_get(json_object_get(manifest, "profiles"), "used")), 2);
+    json_decref(manifest);
+    /* what the call has wins */
+    assert_string_equal(
+        export_end(&c, profile_params("b.tif", "acme", "{\"lpi\": 25, \"dpi\": 300}")), "done");
+    assert_true(option_of(&l, "b.json", "lpi") == 25 && option_of(&l, "b.json", "dpi") == 300);
+    /* no such profile, a print that the profile makes impossible, a file that may not be read */
+    assert_string_equal(export_end(&c, profile_params("c.tif", "acme-2", "{}")), "failed");
+    assert_string_equal(export_end(&c, profile_params("c.tif", "acme", "{\"views\": 900}")),
+                        "failed");
+    assert_string_equal(export_end(&c, profile_params("c.tif", outside, "{}")), "refused");
+    assert_int_not_equal(access(lf_test_path(l.exports, "c.tif"), F_OK), 0);
+    /* without a lens the pitch is asked for */
+    json_t *params = profile_params("c.tif", "acme", "{}");
+    json_object_del(params, "lens");
+    assert_string_equal(export_end(&c, params), "refused");
+    live_close(&c);
+    live_finish(&l);
+    unsetenv("XDG_CONFIG_HOME");
+    lf_test_folder_remove(config);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_print_that_is_too_deep_is_told),
+        cmocka_unit_test(prints_take_profiles_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

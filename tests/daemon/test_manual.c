@@ -8,6 +8,8 @@
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/server/methods.h"
+#include "daemon/tools/print_check.h"
+#include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
 /* A manual page without roff's backslashes, quotes and font letters, as it would be read. */
@@ -88,8 +90,27 @@ static void every_option_of_a_print_stands_in_the_manual_of_quiltrender(void **s
             fail_msg("%s is missing in the guide", head);
         check_option(page, row, true);
     }
+    for (const lf_param *row = lf_profile_params; row->option; row++)
+        check_option(page, row, true);
+    check_option(page, lf_check_params, true);
     lf_free(page);
     lf_free(guide);
+}
+
+static void every_key_of_a_profile_stands_in_the_manual_of_quiltprint(void **state)
+{
+    (void)state;
+    char *page = read_page("docs/man/quiltprint.1");
+    const lf_param *const tables[] = {lf_profile_rows(LF_PROFILE_LENS),
+                                      lf_profile_rows(LF_PROFILE_PRINTER), lf_calibration_rows};
+    char name[64];
+    for (int i = 0; i < 3; i++)
+        for (const lf_param *row = tables[i]; row->name; row++) {
+            snprintf(name, sizeof name, " %s", row->name);
+            if (!strstr(page, name))
+                fail_msg("%s is missing", row->name);
+        }
+    lf_free(page);
 }
 
 static void every_shared_option_stands_in_the_manuals(void **state)
@@ -149,13 +170,15 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         at = strstr(at, "--") + 2;
         snprintf(option, sizeof option, "%.*s", (int)strcspn(at, " ,\n"), at);
         const lf_param own = {.option = option};
-        if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
+        if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_check_params, option) &&
+            !lf_param_find(lf_profile_params, option) && !lf_param_find(lf_option_params, option) &&
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
             !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
             !lf_param_find(lf_video_params, option) && !lf_param_find(lf_photo_params, option) &&
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_find(lf_integrator_params(), option) &&
             !lf_param_find(lf_standing_params, option) &&
+            !lf_param_find(lf_simulate_params, option) &&
             !lf_param_among(&own, "passes spp time state state-info stats plan help completion"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -185,6 +208,8 @@ static void every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltre
     for (const lf_param *row = lf_frames_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     for (const lf_param *row = lf_video_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
+    for (const lf_param *row = lf_simulate_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     lf_free(page);
 }
@@ -310,6 +335,7 @@ int main(void)
     lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_option_of_a_print_stands_in_the_manual_of_quiltrender),
+        cmocka_unit_test(every_key_of_a_profile_stands_in_the_manual_of_quiltprint),
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),
         cmocka_unit_test(every_option_of_photos_stands_in_the_manuals),
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),

@@ -58,7 +58,7 @@ static int set_up(void **state)
 {
     char *folder = lf_test_folder();
     char source[PATH_MAX];
-    assert_non_null(realpath(lf_test_source("profiles"), source));
+    assert_non_null(realpath(lf_test_source("quilt/profiles"), source));
     setenv("XDG_CONFIG_HOME", folder, 1);
     setenv("QUILTD_PROFILES", source, 1);
     *state = folder;
@@ -283,7 +283,7 @@ static void a_bad_profile_is_told_and_the_rest_listed(void **state)
 static int render(const char *folder, const char *words)
 {
     char line[2048];
-    snprintf(line, sizeof line, "%s -o %s/out.tif --print-size 12x10 --passes 1 --map uniform %s",
+    snprintf(line, sizeof line, "%s -o %s/out.tif --print-size 12x10 --passes 1 %s",
              lf_test_built("../scenes/spheres.json"), folder, words);
     return run(folder, "quiltrender", line);
 }
@@ -294,6 +294,11 @@ static json_t *options_of(const char *folder)
     json_t *options = json_incref(json_object_get(manifest, "options"));
     json_decref(manifest);
     return options;
+}
+
+static const char *pitch_kind_of(const json_t *manifest)
+{
+    return json_string_value(json_object_get(json_object_get(manifest, "lens"), "pitch_kind"));
 }
 
 static void a_print_takes_what_is_not_given_from_profiles(void **state)
@@ -313,6 +318,7 @@ static void a_print_takes_what_is_not_given_from_profiles(void **state)
         json_string_length(json_object_get(json_object_get(profiles, "lens"), "sha256")), 64);
     assert_int_equal(json_array_size(json_object_get(profiles, "used")), 2);
     assert_null(json_object_get(profiles, "warnings"));
+    assert_string_equal(pitch_kind_of(manifest), "visual, as measured");
     json_decref(manifest);
     /* the user's numbers, and another distance */
     assert_int_equal(render(f, "--lens acme --printer epson-720 --print 59.5@600 --phase 0"), 0);
@@ -332,6 +338,7 @@ static void a_print_takes_what_is_not_given_from_profiles(void **state)
     manifest = loaded(f, "out.json");
     char *text = json_dumps(json_object_get(manifest, "warnings"), 0);
     assert_non_null(strstr(text, "not measured"));
+    assert_string_equal(pitch_kind_of(manifest), "visual, computed, not measured");
     free(text);
     json_decref(manifest);
 }

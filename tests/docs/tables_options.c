@@ -8,6 +8,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/tools/print_check.h"
+#include "daemon/tools/simulate.h"
 #include "tests/docs/tables.h"
 
 enum { N_PROGRAMS = 2, MOST_HELP = 1 << 16, COLUMN = 25 };
@@ -29,7 +30,9 @@ static const struct group {
     {"output", lf_option_params, NULL, "exposure guides png quality aov", NULL, NULL},
     {"panel", lf_option_params, lf_response_params, "panel calibration", NULL, NULL},
     {"interlacing", lf_panel_params, NULL, NULL, NULL, NULL},
-    {"print", lf_print_params, lf_check_params, NULL, NULL, NULL},
+    {"print", lf_print_params, lf_profile_params, NULL, NULL, NULL},
+    {"simulate", lf_simulate_params, NULL, NULL, NULL, NULL},
+    {"check", lf_check_params, NULL, NULL, NULL, NULL},
     {"depth", lf_rgbd_params, NULL, NULL, NULL, NULL},
     {"alone", lf_alone_params, NULL, NULL, NULL, NULL},
     {"photo", lf_photo_params, lf_picture_params, NULL, NULL, NULL},

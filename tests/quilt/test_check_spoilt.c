@@ -509,7 +509,7 @@ static const spoilt_case cases[] = {
     {"manifest incomplete", USUAL, manifest_incomplete, MANIFEST, true},
     {"no manifest", USUAL, manifest_gone, MANIFEST, true},
     {"manifest damaged", USUAL, manifest_damaged, MANIFEST, true},
-    {"manifest of another print", USUAL, manifest_of_another, PITCH, true},
+    {"manifest of another print", USUAL, manifest_of_another, RESAMPLED, true},
     {"file of another print", USUAL, file_of_another, PITCH, false},
     {"half of another print", USUAL, half_of_another, RESAMPLED, false},
     {"file with reversed views", USUAL, file_reversed, 0, false},

@@ -202,6 +202,9 @@ static void what_is_unknown_is_told(void **state)
     lf_assert_ok(apply("distance", "400", &print, &err), &err);
     lf_assert_close(print.optics.thickness_mm, lf_profile_thickness(60.2, 54, 1.56), 1e-14, 0);
     assert_non_null(strstr(told.warnings.text, "follow from the viewing angle"));
+    lens.optics.index = 0;
+    lf_assert_ok(apply("distance", "400", &print, &err), &err);
+    assert_non_null(strstr(told.lines.text, "index unknown, taken as 1.56"));
     /* neither */
     lens.optics.angle = 0;
     lf_assert_ok(apply("distance", "400", &print, &err), &err);
@@ -342,7 +345,7 @@ static void shipped_profiles_are_whole_and_consistent(void **state)
     int n = 0, n_lenses = 0, n_both = 0;
     (void)state;
     unsetenv("XDG_CONFIG_HOME");
-    setenv("QUILTD_PROFILES", lf_test_source("profiles"), 1);
+    setenv("QUILTD_PROFILES", lf_test_source("quilt/profiles"), 1);
     setenv("HOME", "/nonexistent", 1);
     lf_assert_ok(lf_profile_list(LF_PROFILE_PRINTER, &entries, &n, &err), &err);
     assert_true(n >= 5);
@@ -367,7 +370,6 @@ static void shipped_profiles_are_whole_and_consistent(void **state)
         lf_print print;
         lf_assert_ok(apply("distance", "400", &print, &err), &err);
         print.width_mm = print.height_mm = 50;
-        print.optics.map = LF_MAP_UNIFORM;
         lf_assert_ok(lf_print_choose_views(&print, 1000, "views", NULL, &err), &err);
         lf_assert_ok(lf_print_check(&print, NULL, &err), &err);
     }

@@ -256,6 +256,128 @@ static void agrees_for_lenses_that_lean(void **state)
     }
 }
 
+/* The same under a sheet of points: a square spot behind lens i of row j. */
+static double point_light(const lf_printed *p, const lf_print *print, const sheet *s,
+                          bool hexagonal, int i, int j, const lf_eye *eye)
+{
+    enum { N = 40 };
+    const double mechanical = 25.4 / s->lpi / (1 + s->thickness / (s->index * s->distance));
+    const double px = (i + (hexagonal && (j & 1) ? 0.5 : 0.0)) * mechanical;
+    const double py = j * mechanical * (hexagonal ? sqrt(3) / 2 : 1);
+    const double off = hypot(px - eye->x_mm, py - eye->y_mm);
+    const double moved =
+        off > 0 ? s->thickness * tan(asin(sin(atan(off / eye->distance_mm)) / s->index)) / off : 0;
+    double sum = 0;
+    for (int k = 0; k < N * N; k++)
+        sum += print_at(p, print, s,
+                        px + moved * (px - eye->x_mm) + s->spot * ((k % N + 0.5) / N - 0.5),
+                        py + moved * (py - eye->y_mm) + s->spot * ((k / N + 0.5) / N - 0.5), 1);
+    return sum / (N * N);
+}
+
+static void agrees_for_sheets_of_points(void **state)
+{
+    (void)state;
+    const lf_eye eye = {31, -20, 400};
+    lf_print print = print_of(false);
+    lf_printed printed;
+    lf_print_file *file;
+    lf_error err;
+    print_file(&print, &printed, &file);
+    for (int hexagonal = 0; hexagonal < 2; hexagonal++) {
+        lf_proof_sheet proofed;
+        lf_proof_light seen;
+        double worst = 0;
+        print.optics.grid = hexagonal ? LF_LENS_HEXAGONAL : LF_LENS_SQUARE;
+        const sheet oracle = sheet_of(&print);
+        lf_proof_sheet_of(&print, &proofed, NULL);
+        lf_assert_ok(lf_proof_see(file, &proofed, &eye, 8, NULL, &seen, &err), &err);
+        for (int row = 2; row < seen.n_along - 2; row++)
+            for (int i = 3; i < seen.n - 3; i++) {
+                const double expected = point_light(&printed, &print, &oracle, hexagonal,
+                                                    seen.first + i, seen.first_row + row, &eye);
+                const size_t at = (size_t)row * (size_t)seen.n + (size_t)i;
+                worst = fmax(worst, fabs((double)seen.light[3 * at + 1] - expected));
+            }
+        print_message("%s: worst difference %.4f\n", hexagonal ? "hexagonal" : "square", worst);
+        assert_true(worst < 0.012);
+        lf_proof_light_finish(&seen);
+    }
+    lf_print_file_close(file);
+    lf_printed_finish(&printed);
+}
+
+/* A picture has the light of its lenses where they are. */
+static void a_picture_is_made_of_the_lenses(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        lf_print print = print_of(kind == 1);
+        const lf_eye eye = {12, 3, 400};
+        lf_printed printed;
+        lf_print_file *file;
+        lf_proof_sheet proofed;
+        lf_proof_light seen;
+        lf_image32 image;
+        lf_error err;
+        int width, height;
+        print_file(&print, &printed, &file);
+        print.optics.slant = kind == 2 ? 30 : 0;
+        print.optics.grid = kind == 3 ? LF_LENS_HEXAGONAL : LF_LENS_LINEAR;
+        lf_proof_sheet_of(&print, &proofed, NULL);
+        lf_assert_ok(lf_proof_size(&proofed, 600, &width, &height, &err), &err);
+        lf_assert_ok(lf_proof_picture(file, &proofed, &eye, width, height, NULL, &image, &err),
+                     &err);
+        lf_assert_ok(
+            lf_proof_see(file, &proofed, &eye, kind == 1 ? width : height, NULL, &seen, &err),
+            &err);
+        /* the lens in the middle of the print is in the middle of the picture */
+        const int along =
+            kind == 3 ? -seen.first_row : (int)floor((0.01 - seen.along0_mm) / seen.along_mm);
+        const int around = kind == 2 ? 1 : 0; /* parts that the pixel may touch */
+        const float *middle =
+            image.data + 3 * ((size_t)(height / 2) * (size_t)width + (size_t)(width / 2));
+        double low = 1, high = 0;
+        for (int i = along - around; i <= along + around; i++) {
+            const size_t at = 3 * ((size_t)i * (size_t)seen.n + (size_t)-seen.first);
+            low = fmin(low, (double)seen.light[at]);
+            high = fmax(high, (double)seen.light[at]);
+        }
+        assert_true((double)middle[0] > low - 0.01 && (double)middle[0] < high + 0.01);
+        lf_image32_finish(&image);
+        lf_proof_light_finish(&seen);
+        lf_print_file_close(file);
+        lf_printed_finish(&printed);
+    }
+}
+
+static void mistakes_of_callers_are_told(void **state)
+{
+    (void)state;
+    lf_print print = print_of(false);
+    lf_printed printed;
+    lf_print_file *file;
+    lf_proof_sheet proofed;
+    lf_proof_light seen;
+    lf_image32 image;
+    lf_error err;
+    int width, height;
+    const lf_cancel cancel = 1;
+    print_file(&print, &printed, &file);
+    lf_proof_sheet_of(&print, &proofed, NULL);
+    lf_assert_status(lf_proof_see(file, &proofed, &(lf_eye){0, 0, 1}, 8, NULL, &seen, &err),
+                     LF_E_ARG, &err);
+    lf_assert_status(lf_proof_see(file, &proofed, &(lf_eye){0, 0, 400}, 8, &cancel, &seen, &err),
+                     LF_E_CANCELLED, &err);
+    assert_null(seen.light);
+    lf_assert_status(lf_proof_size(&proofed, 8192, &width, &height, &err), LF_E_ARG, &err);
+    lf_assert_status(
+        lf_proof_picture(file, &proofed, &(lf_eye){0, 0, NAN}, 8, 8, NULL, &image, &err), LF_E_ARG,
+        &err);
+    lf_print_file_close(file);
+    lf_printed_finish(&printed);
+}
+
 static void a_wrong_sheet_is_seen(void **state)
 {
     (void)state;
@@ -326,7 +448,10 @@ int main(void)
         cmocka_unit_test(agrees_with_single_rays_for_every_kind_of_print),
         cmocka_unit_test(agrees_for_horizontal_lenses),
         cmocka_unit_test(agrees_for_lenses_that_lean),
+        cmocka_unit_test(agrees_for_sheets_of_points),
         cmocka_unit_test(agrees_with_the_oracle_in_a_plane),
+        cmocka_unit_test(a_picture_is_made_of_the_lenses),
+        cmocka_unit_test(mistakes_of_callers_are_told),
         cmocka_unit_test(a_wrong_sheet_is_seen),
     };
     return cmocka_run_group_tests_name("what an eye sees of a print", tests, make_folder,

@@ -1,0 +1,223 @@
+/* Own view, drift and parallax of prints, against tables and against prints of known shifts. */
+#include "tests/testing.h"
+
+#include "base/alloc.h"
+#include "quilt/proof/study.h"
+#include "tests/quilt/printed.h"
+
+static const char *folder;
+
+static int make_folder(void **state)
+{
+    (void)state;
+    folder = lf_test_folder();
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    lf_test_folder_remove((char *)(uintptr_t)folder);
+    return 0;
+}
+
+/* A table made by another program: lenticular sheets of 60.13 lpi, spots of half a stripe. */
+static void own_views_are_those_of_the_table(void **state)
+{
+    (void)state;
+    static const struct {
+        int views;
+        double dpi;
+        lf_stripes stripes;
+        double mean, worst;
+    } rows[] = {
+        {10, 600, LF_STRIPES_FRACTIONAL, 0.722, 0.499}, {10, 600, LF_STRIPES_NEAREST, 0.870, 0.000},
+        {8, 600, LF_STRIPES_FRACTIONAL, 0.826, 0.624},  {8, 600, LF_STRIPES_NEAREST, 0.943, 0.698},
+        {6, 600, LF_STRIPES_FRACTIONAL, 0.920, 0.832},  {6, 600, LF_STRIPES_NEAREST, 0.991, 0.899},
+        {10, 1200, LF_STRIPES_FRACTIONAL, 0.958, 0.937}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        lf_print print = lf_print_sound();
+        lf_proof_sheet sheet;
+        print.lpi = 60.13;
+        print.dpi = rows[i].dpi;
+        print.n_views = rows[i].views;
+        print.stripes = rows[i].stripes;
+        lf_proof_sheet_of(&print, &sheet, NULL);
+        const lf_own_view own = lf_proof_own_view(&print, &sheet);
+        lf_assert_close(own.mean, rows[i].mean, 0, 0.008);
+        lf_assert_close(own.worst, rows[i].worst, 0, 0.012);
+        assert_true(own.mean + own.beside > 0.99 && own.mean + own.beside < 1.001);
+    }
+}
+
+static void a_wrong_pitch_drifts(void **state)
+{
+    (void)state;
+    lf_print print = lf_print_sound(), wrong;
+    lf_proof_sheet sheet;
+    print.lpi = 60.13;
+    print.width_mm = 210;
+    print.optics.distance_mm = 300;
+    lf_proof_sheet_of(&print, &sheet, NULL);
+    lf_assert_close(lf_proof_drift(&print, &sheet, 300), 0, 0, 1e-9);
+    wrong = print;
+    wrong.lpi = 60.0;
+    lf_assert_close(lf_proof_drift(&wrong, &sheet, 300), 0.13 * 210 / 25.4, 1e-6, 0);
+    assert_true(lf_proof_drift(&print, &sheet, 600) > 0.1);
+}
+
+static void what_is_not_known_is_assumed_in_words(void **state)
+{
+    (void)state;
+    lf_print print = lf_print_sound();
+    lf_proof_sheet sheet;
+    lf_image_notes notes = {0};
+    lf_proof_sheet_of(&print, &sheet, &notes);
+    assert_non_null(strstr(notes.text, "thickness is not known"));
+    assert_non_null(strstr(notes.text, "distance is not known"));
+    /* the sheet still has the pitch that was measured */
+    lf_assert_close(sheet.pitch_mm * (1 + sheet.thickness_mm / (sheet.index * 400)), 25.4 / 60,
+                    1e-12, 0);
+    print.optics.thickness_mm = 0.6;
+    print.optics.distance_mm = 500;
+    notes = (lf_image_notes){0};
+    lf_proof_sheet_of(&print, &sheet, &notes);
+    assert_int_equal(notes.length, 0);
+    /* 0.6 mm: all views in 25.4/60 n D / t */
+    lf_assert_close(lf_proof_view_range(&sheet, 500), 25.4 / 60 * 1.56 * 500 / 0.6, 1e-9, 0);
+}
+
+/* ---------------------------------------------------------------------------------- parallax -- */
+
+typedef struct scene {
+    double shift; /* of all points, lenses from view to view */
+    bool flips, horizontal;
+} scene;
+
+static double wave(double x, double y)
+{
+    return 0.5 + 0.2 * sin(0.9 * x + 1.3 * sin(0.02 * y)) + 0.14 * sin(0.37 * x + 2.0) +
+           0.12 * sin(1.9 * x + 0.015 * y);
+}
+
+static float draw(const void *context, int view, int row, int column, int c)
+{
+    const scene *s = context;
+    const int lens = s->horizontal ? row : column, along = s->horizontal ? column : row;
+    (void)c;
+    if (s->flips) { /* noise that no shift brings together */
+        const double noise = 43758.5453 * sin(12.9898 * lens + 78.233 * (along / 20) + 37.7 * view);
+        return (float)(noise - floor(noise));
+    }
+    return (float)wave(lens - s->shift * view, along);
+}
+
+static void depth_of(const scene *s, lf_print *print, lf_proof_depth *out, lf_print_file **file)
+{
+    lf_views32 views;
+    lf_printed printed;
+    lf_proof_sheet sheet;
+    lf_error err;
+    *print = lf_print_sound();
+    print->width_mm = print->height_mm = 41;
+    print->n_views = 6;
+    print->horizontal = s->horizontal;
+    lf_card_make(print, draw, s, &views);
+    lf_printed_make(print, &views, 0, &printed);
+    const char *path = lf_test_path(folder, "print.tif");
+    FILE *stream = fopen(path, "wb");
+    assert_int_equal(fwrite(printed.file, 1, printed.file_size, stream), printed.file_size);
+    fclose(stream);
+    lf_card_finish(&views);
+    lf_printed_finish(&printed);
+    lf_assert_ok(lf_print_file_open(path, NULL, file, &err), &err);
+    lf_proof_sheet_of(print, &sheet, NULL);
+    lf_assert_ok(lf_proof_depth_of(*file, &sheet, 400, NULL, out, &err), &err);
+}
+
+static void shifts_of_prints_are_measured(void **state)
+{
+    (void)state;
+    static const scene scenes[] = {{0.6, false, false},
+                                   {-0.5, false, false},
+                                   {2.0, false, false},
+                                   {-3.0, false, false},
+                                   {1.5, false, true}};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        const double shift = scenes[i].shift;
+        lf_print print;
+        lf_print_file *file;
+        lf_proof_depth depth;
+        depth_of(&scenes[i], &print, &depth, &file);
+        double sum = 0;
+        int n = 0;
+        for (int k = 0; k < depth.columns * depth.rows; k++)
+            if (!isnan(depth.shift[k])) {
+                sum += (double)depth.shift[k];
+                n++;
+            }
+        print_message("shift %g: mean %.2f of %d blocks, most %.2f\n", shift, sum / n, n,
+                      depth.most);
+        assert_true(n >= depth.columns * depth.rows / 2);
+        lf_assert_close(sum / n, shift, 0.1, 0.2);
+        assert_true(depth.measured > LF_PROOF_FLIP);
+        assert_true(fabs(shift) > 1 ? depth.over > 0.7 : depth.over < 0.1);
+        /* in front of the print: left and right, or top and bottom, cut it */
+        assert_int_equal(depth.cut[0] && depth.cut[1], shift < 0 && !print.horizontal);
+        assert_false(depth.cut[2] || depth.cut[3]);
+        lf_proof_depth_finish(&depth);
+        lf_print_file_close(file);
+    }
+}
+
+static void a_flip_has_no_parallax(void **state)
+{
+    (void)state;
+    for (int horizontal = 0; horizontal < 2; horizontal++) {
+        lf_print print;
+        lf_print_file *file;
+        lf_proof_depth depth;
+        depth_of(&(scene){0, true, horizontal}, &print, &depth, &file);
+        print_message("flip: %.2f matched, most %.2f\n", depth.measured, depth.most);
+        assert_true(depth.measured < LF_PROOF_FLIP);
+        lf_proof_depth_finish(&depth);
+        lf_print_file_close(file);
+    }
+}
+
+static void too_much_parallax_is_hatched_and_cut_edges_are_outlined(void **state)
+{
+    (void)state;
+    float shift[4] = {0.5F, 2.0F, NAN, -1.5F};
+    lf_proof_depth depth = {
+        .width = 32, .height = 32, .columns = 2, .rows = 2, .shift = shift, .cut = {true}};
+    lf_image32 image;
+    int red[4] = {0}, blue = 0;
+    assert_int_equal(lf_image32_init(&image, 64, 64, 3), LF_OK);
+    lf_proof_depth_mark(&depth, &image);
+    for (int y = 0; y < 64; y++)
+        for (int x = 0; x < 64; x++) {
+            const float *p = image.data + 3 * (64 * y + x);
+            red[y / 32 * 2 + x / 32] += p[0] > 0.5F;
+            blue += p[2] > 0.5F;
+            assert_true(p[2] < 0.5F || x < 2);
+        }
+    assert_int_equal(red[0] + red[2], 0);
+    assert_true(red[1] > 100 && red[3] > 100);
+    assert_int_equal(blue, 2 * 64);
+    lf_image32_finish(&image);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(own_views_are_those_of_the_table),
+        cmocka_unit_test(a_wrong_pitch_drifts),
+        cmocka_unit_test(what_is_not_known_is_assumed_in_words),
+        cmocka_unit_test(shifts_of_prints_are_measured),
+        cmocka_unit_test(a_flip_has_no_parallax),
+        cmocka_unit_test(too_much_parallax_is_hatched_and_cut_edges_are_outlined),
+    };
+    return cmocka_run_group_tests_name("what a print does to its viewers", tests, make_folder,
+                                       remove_folder);
+}
