@@ -107,13 +107,13 @@ static void say_unmeasured(const lf_check *check, char *out, size_t size)
         snprintf(out, size, "not measured without a manifest and a readable file");
     else if (check->is_chart)
         snprintf(out, size, "a chart has no views");
-    else if (!check->plain)
-        snprintf(out, size, "not measured for slanted or micro lenses and exact maps");
+    else if (!check->linear)
+        snprintf(out, size, "not measured for micro lenses");
     else if (!check->fits)
         snprintf(out, size, "not measured: the file is not what the manifest describes");
     else if (!check->grid.can)
         snprintf(out, size,
-                 "cannot be measured in this picture: %d views in %.4g pixels share no pixel",
+                 "cannot be measured in this picture: %d views in %.4g pixels do not share enough",
                  check->print.n_views, pixels);
     else
         snprintf(out, size, "cannot be measured in this picture: its views differ too little");

@@ -9,6 +9,7 @@
 #include "quilt/proof/check_internal.h"
 
 #define N_LINES 16
+#define MAX_LINES 256
 #define MAX_BLOCKS 24
 #define MOST_BYTES ((size_t)48 << 20) /* of the lines; fewer are measured on long prints */
 #define LEAST_LENSES 16               /* of a block */
@@ -26,6 +27,7 @@
 typedef struct lines {
     lf_check_stripes stripes;
     int n_lines, channels;
+    double along_mm[MAX_LINES];    /* place of each line along the lenses */
     double light[256], slope[256]; /* of 8-bit values */
     double *value, *sigma;         /* [n_lines][n][channels] */
     double *scratch;
@@ -44,20 +46,14 @@ static lf_status begin(const lf_check *check, lines *l)
 {
     const lf_print *print = &check->print;
     const bool horizontal = print->horizontal;
-    const double across_dpi = check->dpi[horizontal ? 1 : 0];
     memset(l, 0, sizeof *l);
-    l->stripes =
-        (lf_check_stripes){.n = horizontal ? check->shape.raster_height : check->shape.raster_width,
-                           .n_views = print->n_views,
-                           .pixel_mm = 25.4 / across_dpi,
-                           .pitch_mm = 25.4 / print->lpi,
-                           .phase_mm = print->phase_mm,
-                           .nearest = print->stripes == LF_STRIPES_NEAREST};
+    l->stripes = lf_check_stripes_of(
+        print, check->dpi, horizontal ? check->shape.raster_height : check->shape.raster_width);
     const int along = horizontal ? check->shape.raster_width : check->shape.raster_height;
     const int wanted = check->options->n_rows > 0 ? check->options->n_rows : N_LINES;
     const int n = l->stripes.n;
     const double lenses = n * l->stripes.pixel_mm / l->stripes.pitch_mm;
-    l->n_lines = wanted < along ? wanted : along;
+    l->n_lines = (int)fmin(fmin(wanted, along), MAX_LINES);
     l->channels = check->tags->samples;
     if (!l->stripes.nearest)
         l->channels = 3;
@@ -129,8 +125,10 @@ static lf_status read_rows(lf_check *check, lines *l, void *raw, lf_error *err)
 {
     const lf_print_shape *shape = &check->shape;
     for (int line = 0; line < l->n_lines; line++) {
-        const int y = shape->margin_down_px + middle_of(line, l->n_lines, shape->raster_height);
-        const lf_status status = lf_print_file_raw(check->file, y, raw, err);
+        const int y = middle_of(line, l->n_lines, shape->raster_height);
+        const lf_status status =
+            lf_print_file_raw(check->file, shape->margin_down_px + y, raw, err);
+        l->along_mm[line] = (y + 0.5 - 0.5 * shape->raster_height) * l->stripes.along_pixel_mm;
         if (status != LF_OK)
             return status;
         for (int j = 0; j < l->stripes.n; j++) {
@@ -145,6 +143,11 @@ static lf_status read_rows(lf_check *check, lines *l, void *raw, lf_error *err)
 static lf_status read_columns(lf_check *check, lines *l, void *raw, lf_error *err)
 {
     const lf_print_shape *shape = &check->shape;
+    for (int line = 0; line < l->n_lines; line++) {
+        const double x =
+            middle_of(line, l->n_lines, shape->raster_width) + 0.5 - 0.5 * shape->raster_width;
+        l->along_mm[line] = (check->print.mirror ? -x : x) * l->stripes.along_pixel_mm;
+    }
     for (int j = 0; j < l->stripes.n; j++) {
         const lf_status status =
             lf_print_file_raw(check->file, shape->margin_down_px + j, raw, err);
@@ -167,7 +170,9 @@ static double misfit_of(const lines *l, int block, double moved_mm, double *out_
         const size_t at = (size_t)line * (size_t)l->stripes.n * (size_t)l->channels;
         const lf_check_line values = {l->value + at, l->sigma + at, l->channels};
         double free_values = 0.0;
-        sum += lf_check_misfit(&l->stripes, &values, &l->block[block], moved_mm, l->scratch,
+        lf_check_stripes stripes = l->stripes;
+        stripes.along_mm = l->along_mm[line];
+        sum += lf_check_misfit(&stripes, &values, &l->block[block], moved_mm, l->scratch,
                                &free_values);
         freedom += free_values;
     }
@@ -293,14 +298,16 @@ lf_status lf_check_picture(lf_check *check, lf_error *err)
 {
     lines l;
     lf_check_grid *grid = &check->grid;
-    if (!check->fits || check->is_chart || !check->plain)
+    if (!check->fits || check->is_chart || !check->linear)
         return LF_OK;
     grid->exact = !check->print.icc_path && check->same_profile && check->tags->samples == 3;
     lf_status status = begin(check, &l);
     void *raw = status == LF_OK ? lf_calloc(1, lf_print_file_raw_bytes(check->file)) : NULL;
     if (!raw)
         status = lf_error_set(err, LF_E_NOMEM, check->path, "out of memory");
-    grid->can = status == LF_OK && lf_check_stripe_px(&l.stripes) >= LEAST_STRIPE;
+    grid->can = status == LF_OK &&
+                (l.stripes.nearest ? lf_check_stripe_px(&l.stripes) >= LEAST_STRIPE
+                                   : LEAST_STRIPE * lf_check_stripe_reach(&l.stripes) <= 1.0);
     if (grid->can) {
         lf_error trouble = {0};
         status = check->print.horizontal ? read_columns(check, &l, raw, &trouble)

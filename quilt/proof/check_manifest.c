@@ -105,8 +105,9 @@ lf_status lf_check_manifest_read(lf_check *check, lf_error *err)
     if (status != LF_OK)
         return fail(check, problem.what);
     check->known = true;
-    check->plain = check->print.optics.grid == LF_LENS_LINEAR && check->print.optics.slant == 0.0 &&
-                   !lf_print_is_exact(&check->print);
+    check->linear = !lf_print_is_micro(&check->print);
+    check->plain =
+        check->linear && check->print.optics.slant == 0.0 && !lf_print_is_exact(&check->print);
     size_of(check);
     return LF_OK;
 }
@@ -246,7 +247,8 @@ static void compare_profile(lf_check *check)
 static void judge_views(lf_check *check)
 {
     const lf_print *print = &check->print;
-    const double pixels_a_lens = check->dpi[print->horizontal ? 1 : 0] / print->lpi;
+    const double pixels_a_lens = check->dpi[print->horizontal ? 1 : 0] / print->lpi /
+                                 cos(print->optics.slant * acos(-1.0) / 180.0);
     const int columns = print->n_views / lf_print_view_rows(print);
     const double ratio = columns / pixels_a_lens;
     const bool fine = columns <= 2 || ratio <= 0.8 + 1e-9;

@@ -8,15 +8,88 @@
 /* A stripe with a smaller share of a pixel is not seen in it. */
 #define LEAST_SHARE 1e-7
 
+lf_check_stripes lf_check_stripes_of(const lf_print *print, const double dpi[2], int n)
+{
+    const double slant = print->optics.slant * acos(-1.0) / 180.0;
+    const int across = print->horizontal ? 1 : 0;
+    lf_check_stripes out = {.n = n,
+                            .n_views = print->n_views,
+                            .pixel_mm = 25.4 / dpi[across],
+                            .pitch_mm = 25.4 / print->lpi,
+                            .phase_mm = print->phase_mm,
+                            .nearest = print->stripes == LF_STRIPES_NEAREST,
+                            .cosine = cos(slant),
+                            .lean = print->horizontal ? -sin(slant) : sin(slant),
+                            .along_pixel_mm = 25.4 / dpi[1 - across]};
+    if (lf_print_is_exact(print)) {
+        out.thickness_mm = print->optics.thickness_mm;
+        out.index = lf_optics_index(&print->optics);
+        out.distance_mm = print->optics.distance_mm;
+    }
+    return out;
+}
+
+/* By how much a place of the print is drawn to the middle on its way to the lenses, by Snell's law
+ * for the ray that the eye sends there. Each step leaves about t / (n D) of the error. */
+static double drawn_in(const lf_check_stripes *stripes, double radius_mm)
+{
+    double r = radius_mm;
+    if (!(radius_mm > 0.0))
+        return 1.0;
+    for (int i = 0; i < 40; i++) {
+        const double inside = asin(sin(atan(r / stripes->distance_mm)) / stripes->index);
+        const double next = radius_mm - stripes->thickness_mm * tan(inside);
+        const double step = next - r;
+        r = next;
+        if (fabs(step) < 1e-11)
+            break;
+    }
+    return r / radius_mm;
+}
+
 double lf_check_stripe_at(const lf_check_stripes *stripes, double edge, double moved_mm)
 {
-    const double x = (edge - 0.5 * stripes->n) * stripes->pixel_mm - stripes->phase_mm - moved_mm;
-    return stripes->n_views * (x / stripes->pitch_mm + 0.5);
+    const double across = (edge - 0.5 * stripes->n) * stripes->pixel_mm;
+    double x = across * stripes->cosine + stripes->along_mm * stripes->lean;
+    if (stripes->thickness_mm > 0.0) /* the lenses are finer than their lines on the print */
+        x *= drawn_in(stripes, hypot(across, stripes->along_mm)) *
+             (1.0 + stripes->thickness_mm / (stripes->index * stripes->distance_mm));
+    return stripes->n_views * ((x - stripes->phase_mm - moved_mm) / stripes->pitch_mm + 0.5);
 }
 
 double lf_check_stripe_px(const lf_check_stripes *stripes)
 {
-    return stripes->pitch_mm / stripes->n_views / stripes->pixel_mm;
+    return stripes->pitch_mm / stripes->n_views / (stripes->pixel_mm * stripes->cosine);
+}
+
+/* Half of the stripes that a pixel covers by its extent across and along the lenses. */
+static void halves(const lf_check_stripes *stripes, double *out_wide, double *out_narrow)
+{
+    const double stripe_mm = stripes->pitch_mm / stripes->n_views;
+    const double a = 0.5 * stripes->pixel_mm * fabs(stripes->cosine) / stripe_mm,
+                 b = 0.5 * stripes->along_pixel_mm * fabs(stripes->lean) / stripe_mm;
+    *out_wide = fmax(a, b);
+    *out_narrow = fmin(a, b);
+}
+
+double lf_check_stripe_reach(const lf_check_stripes *stripes)
+{
+    double wide, narrow;
+    halves(stripes, &wide, &narrow);
+    return 2.0 * (wide + narrow);
+}
+
+double lf_check_stripe_share(const lf_check_stripes *stripes, double distance)
+{
+    double wide, narrow;
+    halves(stripes, &wide, &narrow);
+    const double beyond = wide + narrow - fabs(distance);
+    if (beyond <= 0.0)
+        return distance < 0.0 ? 0.0 : 1.0;
+    if (beyond >= 2.0 * narrow) /* the border crosses both long sides */
+        return 0.5 + 0.5 * distance / wide;
+    const double corner = beyond * beyond / (8.0 * wide * narrow);
+    return distance < 0.0 ? corner : 1.0 - corner;
 }
 
 /* Equal stripes must have equal codes: the sum of squared deviations from each stripe's mean. */
@@ -59,16 +132,15 @@ static pixel_shares shares_of(const lf_check_stripes *stripes, const lf_check_bl
 {
     const int n = block->end - block->first;
     pixel_shares out = {0, scratch, scratch + n};
-    double left = lf_check_stripe_at(stripes, block->first, moved_mm);
-    const double origin = floor(left);
+    const double half = 0.5 * lf_check_stripe_reach(stripes);
+    const double origin = floor(lf_check_stripe_at(stripes, block->first + 0.5, moved_mm) - half);
     for (int i = 0; i < n; i++) {
-        const double right = lf_check_stripe_at(stripes, block->first + i + 1.0, moved_mm);
-        const double stripe = floor(left), border = stripe + 1.0;
-        const double rest = right > border ? (right - border) / (right - left) : 0.0;
-        const bool last = rest > 1.0 - LEAST_SHARE; /* all of it lies in the next stripe */
+        const double middle = lf_check_stripe_at(stripes, block->first + i + 0.5, moved_mm);
+        const double stripe = floor(middle - half);
+        const double own = lf_check_stripe_share(stripes, stripe + 1.0 - middle);
+        const bool last = own < LEAST_SHARE; /* all of it lies in the next stripe */
         out.stripe[i] = stripe - origin + (last ? 1.0 : 0.0);
-        out.first[i] = last || rest < LEAST_SHARE ? 1.0 : 1.0 - rest;
-        left = right;
+        out.first[i] = last || own > 1.0 - LEAST_SHARE ? 1.0 : own;
     }
     out.n_stripes = (int)out.stripe[n - 1] + (out.first[n - 1] < 1.0 ? 2 : 1);
     return out;

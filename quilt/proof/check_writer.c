@@ -57,13 +57,8 @@ static void shape_strip(const lf_check *check, strip *s)
         lf_print_shape_of(print, &s->shape);
     }
     s->n_lines = print->n_views + 2;
-    s->stripes =
-        (lf_check_stripes){.n = print->horizontal ? s->shape.raster_height : s->shape.raster_width,
-                           .n_views = print->n_views,
-                           .pixel_mm = 25.4 / check->dpi[1 - along],
-                           .pitch_mm = 25.4 / print->lpi,
-                           .phase_mm = print->phase_mm,
-                           .nearest = print->stripes == LF_STRIPES_NEAREST};
+    s->stripes = lf_check_stripes_of(
+        print, check->dpi, print->horizontal ? s->shape.raster_height : s->shape.raster_width);
 }
 
 static lf_status make_views(const strip *s, lf_views32 *out)
@@ -174,45 +169,60 @@ static lf_status make_strip(strip *s, lf_error *err)
 
 /* --------------------------------------------------------------------------------- measuring -- */
 
-/* The share of each pixel that stripes of a view cover, by definition. */
-static void share_line(const strip *s, int view, double *out)
+/* The stripes under a line of the strip. */
+static lf_check_stripes stripes_of(const strip *s, int line)
 {
-    const lf_check_stripes *stripes = &s->stripes;
-    for (int j = 0; j < stripes->n; j++) {
-        const double left = lf_check_stripe_at(stripes, j, 0.0),
-                     right = lf_check_stripe_at(stripes, j + 1.0, 0.0),
-                     middle = lf_check_stripe_at(stripes, j + 0.5, 0.0);
+    lf_check_stripes out = s->stripes;
+    const int n = s->print.horizontal ? s->shape.raster_width : s->shape.raster_height;
+    out.along_mm = (line + 0.5 - 0.5 * n) * out.along_pixel_mm;
+    return out;
+}
+
+/* The share of each pixel of a line that stripes of a view cover, by definition. */
+static void share_line(const strip *s, int line, int view, double *out)
+{
+    const lf_check_stripes stripes = stripes_of(s, line);
+    const double half = 0.5 * lf_check_stripe_reach(&stripes);
+    for (int j = 0; j < stripes.n; j++) {
+        const double middle = lf_check_stripe_at(&stripes, j + 0.5, 0.0);
         double sum = 0.0;
-        for (double stripe = floor(left); stripe < right; stripe += 1.0) {
-            const double m = stripe - stripes->n_views * floor(stripe / stripes->n_views);
-            const int at = s->print.reverse ? (int)m : stripes->n_views - 1 - (int)m;
-            const double covered = fmin(right, stripe + 1.0) - fmax(left, stripe);
+        for (double stripe = floor(middle - half); stripe < middle + half; stripe += 1.0) {
+            const double m = stripe - stripes.n_views * floor(stripe / stripes.n_views);
+            const int at = s->print.reverse ? (int)m : stripes.n_views - 1 - (int)m;
             if (at != view)
                 continue;
-            if (stripes->nearest)
+            if (stripes.nearest)
                 sum += floor(middle + 1e-9) == stripe;
             else
-                sum += fmax(covered, 0.0) / (right - left);
+                sum += lf_check_stripe_share(&stripes, stripe + 1.0 - middle) -
+                       lf_check_stripe_share(&stripes, stripe - middle);
         }
         out[j] = sum;
     }
 }
 
-/* Light of a spot, half a stripe wide, in the middle of stripe m under every lens: its mean, and
- * its least over the lenses. sums[n + 1]: light of the pixels before. */
-static double seen_in(const strip *s, const double *sums, int m, double *out_least)
+/* The pixel at a place in stripes, from a guess near by. */
+static double pixel_at(const lf_check_stripes *stripes, double place, double guess)
 {
-    const lf_check_stripes *stripes = &s->stripes;
     const double px = lf_check_stripe_px(stripes);
-    const double first_px =
-        0.5 * stripes->n + stripes->phase_mm / stripes->pixel_mm - 0.5 * stripes->n_views * px;
-    const int first = (int)ceil(-first_px / (px * stripes->n_views)) + 1;
-    double sum = 0.0, least = INFINITY;
+    for (int i = 0; i < 4; i++)
+        guess += (place - lf_check_stripe_at(stripes, guess, 0.0)) * px;
+    return guess;
+}
+
+/* Light of a spot, half a stripe wide, in the middle of stripe m under every lens: its mean, and
+ * its least over the lenses; -1: no lens lies wholly inside. sums[n + 1]: light of the pixels
+ * before. */
+static double seen_in(const lf_check_stripes *stripes, const double *sums, int m, double *out_least)
+{
+    const double px = lf_check_stripe_px(stripes), lens_px = px * stripes->n_views;
+    const double first = ceil(lf_check_stripe_at(stripes, 0.0, 0.0) / stripes->n_views) + 1.0;
+    double sum = 0.0, least = INFINITY, at = 0.0;
     int n = 0;
-    for (int k = first;; k++) {
-        const double at = first_px + (k * stripes->n_views + m + 0.5) * px;
+    for (double k = first;; k += 1.0) {
+        at = pixel_at(stripes, k * stripes->n_views + m + 0.5, at + lens_px);
         const double left = at - 0.25 * px, right = at + 0.25 * px;
-        if (right + px * stripes->n_views >= stripes->n)
+        if (!(right + lens_px < stripes->n))
             break;
         if (left < 0.0)
             continue;
@@ -240,6 +250,7 @@ static shares shares_of(const strip *s, const double *lines, double *sums)
     shares out = {.any = true, .in_order = true, .worst = INFINITY};
     double *seen = sums + n + 2; /* [n_views][n_views], eye and view */
     for (int view = 0; view < n_views; view++) {
+        const lf_check_stripes stripes = stripes_of(s, view);
         sums[0] = 0.0;
         for (int j = 0; j < n; j++)
             sums[j + 1] = sums[j] + lines[(size_t)view * (size_t)n + (size_t)j];
@@ -247,7 +258,7 @@ static shares shares_of(const strip *s, const double *lines, double *sums)
         for (int eye = 0; eye < n_views; eye++) {
             double least;
             /* the spot moves left as the eye moves right */
-            seen[eye * n_views + view] = seen_in(s, sums, n_views - 1 - eye, &least);
+            seen[eye * n_views + view] = seen_in(&stripes, sums, n_views - 1 - eye, &least);
             const int own = s->print.reverse ? n_views - 1 - eye : eye;
             out.any = out.any && seen[eye * n_views + view] >= 0.0;
             if (own == view)
@@ -307,17 +318,17 @@ static bool lock_in(const strip *s, const double *ideal, lf_check_meter *out)
            lf_check_fit(x, moved, error, n_blocks, n * pixel, INFINITY, out);
 }
 
-/* The two code lines by definition, from the shares of the views: [2][n]. */
-static void code_lines(const strip *s, const double *share, double *out)
+/* The two code lines by definition: [2][n]. share: room for [n]. */
+static void code_lines(const strip *s, double *share, double *out)
 {
     const int n = s->stripes.n, n_views = s->print.n_views;
+    memset(out, 0, 2 * (size_t)n * sizeof *out);
     for (int code = 0; code < 2; code++) {
-        for (int j = 0; j < n; j++) {
-            double sum = 0.0;
-            for (int view = 0; view < n_views; view++)
-                sum +=
-                    share[(size_t)view * (size_t)n + (size_t)j] * code_of(view, n_views, code == 0);
-            out[(size_t)code * (size_t)n + (size_t)j] = sum;
+        for (int view = 0; view < n_views; view++) {
+            share_line(s, n_views + code, view, share);
+            for (int j = 0; j < n; j++)
+                out[(size_t)code * (size_t)n + (size_t)j] +=
+                    share[j] * code_of(view, n_views, code == 0);
         }
     }
 }
@@ -375,7 +386,7 @@ static void judge_same(lf_check *check, const strip *s)
 
 lf_status lf_check_writer(lf_check *check, lf_error *err)
 {
-    if (!check->known || check->is_chart || !check->plain)
+    if (!check->known || check->is_chart || !check->linear)
         return LF_OK;
     strip s = {0};
     shape_strip(check, &s);
@@ -386,9 +397,9 @@ lf_status lf_check_writer(lf_check *check, lf_error *err)
     lf_status status = ideal && sums && s.light ? make_strip(&s, err) : LF_E_NOMEM;
     if (status == LF_OK) {
         for (int view = 0; view < s.print.n_views; view++)
-            share_line(&s, view, ideal + (size_t)view * n);
+            share_line(&s, view, view, ideal + (size_t)view * n);
         const shares best = shares_of(&s, ideal, sums), seen = shares_of(&s, s.light, sums);
-        code_lines(&s, ideal, ideal + n_views * n);
+        code_lines(&s, sums, ideal + n_views * n);
         if (seen.any)
             judge(check, &s, ideal + n_views * n, &seen, &best);
         judge_same(check, &s);
