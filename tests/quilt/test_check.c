@@ -128,12 +128,13 @@ static void a_chart_is_checked_too(void **state)
     lf_checked_finish(&checked);
 }
 
-/* Slanted lenses: their stripes are not measured, and that is said. */
-static void a_slanted_print_is_not_called_wrong(void **state)
+/* Micro sheets: their stripes are not measured, and that is said. */
+static void a_micro_sheet_is_not_called_wrong(void **state)
 {
     (void)state;
     lf_print print = small_print();
-    print.optics.slant = 10;
+    print.optics.grid = LF_LENS_SQUARE;
+    print.n_views = 16;
     print.marks = false;
     lf_checked checked = checked_of(&print);
     lf_checked_run(&checked, true);
@@ -141,7 +142,7 @@ static void a_slanted_print_is_not_called_wrong(void **state)
     assert_int_equal(lf_checked_point(&checked, 6), LF_CHECK_NONE);
     assert_int_equal(lf_checked_point(&checked, 11),
                      LF_CHECK_PASS); /* by the rows that were kept */
-    assert_non_null(strstr(checked.report.points[5].measured, "slanted"));
+    assert_non_null(strstr(checked.report.points[5].measured, "micro"));
     lf_checked_finish(&checked);
 }
 
@@ -331,7 +332,7 @@ int main(void)
         cmocka_unit_test(the_text_and_the_json_say_the_same),
         cmocka_unit_test(every_failure_has_a_short_remedy),
         cmocka_unit_test(a_chart_is_checked_too),
-        cmocka_unit_test(a_slanted_print_is_not_called_wrong),
+        cmocka_unit_test(a_micro_sheet_is_not_called_wrong),
         cmocka_unit_test(the_power_of_the_measurement_is_stated),
         cmocka_unit_test(the_job_sheet_has_what_the_operator_needs),
         cmocka_unit_test(a_job_sheet_needs_no_readable_file),

@@ -11,7 +11,17 @@
 #include "tests/quilt/printed.h"
 
 /* What a file is spoilt from. */
-typedef enum base_print { USUAL, NEAREST, MARKED, ACROSS, SIXTEEN, PACKED, BLED } base_print;
+typedef enum base_print {
+    USUAL,
+    NEAREST,
+    MARKED,
+    ACROSS,
+    SIXTEEN,
+    PACKED,
+    BLED,
+    SLANTED,
+    EXACT
+} base_print;
 
 typedef struct spoilt_case {
     const char *name;
@@ -48,6 +58,12 @@ static lf_print base_of(base_print base)
         print.bits = 16;
     if (base == PACKED)
         print.compress = LF_COMPRESS_DEFLATE;
+    if (base == SLANTED)
+        print.optics.slant = 10;
+    if (base == EXACT) {
+        print.optics.thickness_mm = 2;
+        print.optics.distance_mm = 300;
+    }
     if (base == BLED)
         print.bleed_mm = 2;
     return print;
@@ -322,6 +338,16 @@ static void manifest_pitch_everywhere(lf_checked *checked)
     edit_manifest(checked, "lens", "pitch_mm", NULL, json_real(25.4 / 60.14));
 }
 
+static void manifest_slant(lf_checked *checked)
+{
+    edit_manifest(checked, "options", "slant", NULL, json_real(10.2));
+}
+
+static void manifest_distance(lf_checked *checked)
+{
+    edit_manifest(checked, "options", "distance", NULL, json_real(60));
+}
+
 static void manifest_phase(lf_checked *checked)
 {
     edit_manifest(checked, "lens", "phase_mm", "phase", json_real(0.025));
@@ -504,6 +530,11 @@ static const spoilt_case cases[] = {
     {"wrong pitch all over the manifest, marks", MARKED, manifest_pitch_everywhere, PITCH, true},
     {"phase off by 5 um", USUAL, manifest_phase, PHASE, true},
     {"phase off by 5 um, marks", MARKED, manifest_phase, PHASE, true},
+    {"another slant", SLANTED, manifest_slant, RESAMPLED, true},
+    {"slanted, shifted by a pixel", SLANTED, shifted, RESAMPLED, false},
+    {"slanted, resized by 0.1 %", SLANTED, resized, RESAMPLED, false},
+    {"another distance", EXACT, manifest_distance, RESAMPLED, true},
+    {"exact, shifted by a pixel", EXACT, shifted, PHASE, false},
     {"another number of views", USUAL, manifest_views, RESAMPLED, true},
     {"order in the manifest", USUAL, manifest_order, MANIFEST, true},
     {"manifest incomplete", USUAL, manifest_incomplete, MANIFEST, true},
