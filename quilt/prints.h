@@ -47,6 +47,25 @@ struct json_t;
 typedef enum lf_stripes { LF_STRIPES_FRACTIONAL, LF_STRIPES_NEAREST } lf_stripes;
 typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLATE } lf_compress;
 
+typedef enum lf_guard_kind { LF_GUARD_REPEAT, LF_GUARD_WHITE, LF_GUARD_BLACK } lf_guard_kind;
+enum { LF_COPIES_MOST = 100, LF_LABEL_MOST = 200 };
+
+/* The page around a print, and what is between the images of a flip. Zeroed is one print without
+ * anything. */
+typedef struct lf_print_sheet {
+    /* Copies of the print, for one lens sheet over all of them. Each is centred on a lens of it:
+     * the steps are whole lenses. 0: 1. */
+    int columns, rows;
+    double gutter_mm; /* least distance between the bleeds of two copies: 0..500 */
+    /* page on which the copies are centred; 0: as large as they, their labels and marks are */
+    double paper_width_mm, paper_height_mm;
+    const char *label; /* UTF-8 text below each copy, outside its bleed; NULL: none */
+    double label_mm;   /* height of a capital letter: 0.8..20; 0: 2.5 */
+    int guard;         /* stripes between two frames: 0..64 */
+    lf_guard_kind guard_kind;
+    int morph; /* frames blended between two images: 0..256 */
+} lf_print_sheet;
+
 /* How a sheet and a printer blur the stripes. Zeroed: unknown. */
 enum { LF_PRINT_CROSSTALK = 8 };
 typedef struct lf_print_blur {
@@ -111,6 +130,7 @@ typedef struct lf_print {
     int bits; /* 8 or 16 */
     /* for a pitch test chart (lf_chart_write): lpi - range to lpi + range, one band per step */
     double chart_range, chart_step;
+    lf_print_sheet sheet;
     lf_print_blur blur;
     /* NULL = sRGB; otherwise an RGB or CMYK display, output or colour space profile, at most 16
      * MiB */
@@ -155,9 +175,10 @@ extern const lf_param lf_print_params[];
 LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_warning,
                                       lf_error *err);
 /* Sets n_views if it is 0: as many as a lens shows without ghosting, 0.8 dpi/lpi, at least 2, at
- * most n_most (>= 1), the number available. LF_E_ARG, with where and pointer (may be NULL): more
- * than n_most were requested. LF_E_ARG, with where: a lens has pixels for only one view. lpi must
- * be set. */
+ * most n_most (>= 1), the number available. Blended frames add to those; with guard stripes, all
+ * frames get the same number of stripes. LF_E_ARG, with where and pointer (may be NULL): more than
+ * n_most were requested. LF_E_ARG, with where: a lens has pixels for only one view, or too few for
+ * the guards. lpi must be set. */
 LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where,
                                              const char *pointer, lf_error *err);
 
@@ -202,6 +223,8 @@ typedef struct lf_print_shape {
     /* Position of the middle of sample 0 and distance of samples, across and along, on the print */
     double first_across_mm, first_along_mm, step_across_mm, step_along_mm;
     double window_width_mm, window_height_mm;
+    /* the print's middle from the middle of its pixels: for copies on a page; else 0 */
+    double shift_right_mm, shift_down_mm;
     double window_center_x_mm,
         /* middle of the window from the middle of the print, in the views' picture, right and
          * down */
@@ -242,6 +265,12 @@ typedef struct lf_print_run {
 /* Notes how much lf_print_write cuts from these views, how wide their borders are, a scale along
  * the lenses over 2, and what a relief may lack. print must have passed lf_print_check. */
 void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
+/* Notes what may surprise in the layout of the sheet and of a flip of n images. print must have
+ * passed lf_print_check. */
+void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *notes);
+/* One line about the copies of a sheet and about the stripes of a flip of n images, in buf; "" for
+ * a print without. Images count from 0; "-" is a guard of one light. Returns buf. */
+char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_t size);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);

@@ -74,7 +74,7 @@ quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/lens.h quilt/kernel
 quilt/profile: quilt/quilt.h quilt/prints.h quilt/profiles.h
-quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/photo.h
+quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/font.h quilt/photo.h
 quilt/proof: quilt/quilt.h quilt/prints.h quilt/profiles.h quilt/lens.h quilt/print/pdf.h
 device:
 device/hid: device/device.h device/device_table.h

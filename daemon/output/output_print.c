@@ -121,6 +121,7 @@ static void note_laid(const lf_output_request *request, const lf_output_source *
     lf_image_notes laid = {0};
     char line[512];
     lf_print_note_laid(print, views, &laid);
+    lf_print_note_sheet(print, views->n_views, &laid);
     lf_log_notes(&laid, name);
     for (size_t at = 0;
          source->notes && lf_image_notes_next(source->notes, &at, line, sizeof line);)
@@ -164,8 +165,7 @@ const lf_output_kind lf_output_print = {.name = "print",
                                         .file_name = output_print_file,
                                         .write = write_files};
 
-/* ------------------------------------------------------------------------------------- frames --
- */
+/* ------------------------------------------------------------------------------------ frames -- */
 
 static char *frame_file(const char *folder, int i)
 {

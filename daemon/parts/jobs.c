@@ -38,6 +38,7 @@ void lf_export_finish(lf_export *what)
     lf_free(what->file);
     lf_free(what->name);
     lf_free(what->icc);
+    lf_free(what->label);
     lf_free((char *)(uintptr_t)what->named.lens);
     lf_free((char *)(uintptr_t)what->named.printer);
 }

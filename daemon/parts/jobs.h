@@ -35,11 +35,11 @@ typedef struct lf_export {
     lf_panel_options panel;
     bool has_calibration;
     lf_calibration calibration;
-    lf_print print;         /* its icc_path is icc */
+    lf_print print;         /* its icc_path is icc, its label is label */
     lf_profile_names named; /* profiles, which the job reads; owned */
     lf_print_given given;   /* keys of print that the call has */
     lf_rgbd_options rgbd;
-    char *icc;
+    char *icc, *label;
     int *fds; /* descriptors to write to instead of a name */
     int n_fds;
 } lf_export;

@@ -99,6 +99,9 @@ static lf_status take_print_words(const lf_server *server, lf_export *what, cons
     if (status == LF_OK && print->icc_path)
         status = lf_server_read_path(server, print->icc_path, &what->icc, err);
     print->icc_path = what->icc;
+    if (print->sheet.label && !(what->label = lf_strdup(print->sheet.label)))
+        status = lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
+    print->sheet.label = what->label;
     print->icc_roots = &server->roots;
     if (status == LF_OK)
         status = take_profiles(server, what, params, err);

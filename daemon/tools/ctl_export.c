@@ -94,8 +94,8 @@ static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file
         status = lf_output_path(kind, file, &layout, out_path, err);
     if (status != LF_OK)
         return status;
-    return open_output(files, kind, *out_path, lf_output_n_files(kind, NULL, layout.n_views), overwrite,
-                       err);
+    return open_output(files, kind, *out_path, lf_output_n_files(kind, NULL, layout.n_views),
+                       overwrite, err);
 }
 
 static void show_progress(const json_t *params)

@@ -73,6 +73,16 @@ static void tell_names(const lf_rendering *r, double seconds)
                lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
 }
 
+/* The copies of a sheet, and the order of a flip. */
+static void tell_layout(const lf_rendering *r)
+{
+    char words[256];
+    const int n_images = r->is_quilt ? r->layout.n_views : r->print.n_views;
+    if (r->arguments->kind == &lf_output_print &&
+        lf_print_layout_text(&r->print, n_images, words, sizeof words)[0] != '\0')
+        lf_log(LF_LOG_INFO, "%s: %s", r->path, words);
+}
+
 static int run(const lf_render_arguments *a)
 {
     const bool is_terminal = isatty(STDERR_FILENO) == 1;
@@ -109,6 +119,7 @@ static int run(const lf_render_arguments *a)
         code = r.state.is_kept && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
     } else if (!a->plan) {
         tell_names(&r, lf_time_now() - begun);
+        tell_layout(&r);
     }
     lf_rendering_finish(&r);
     return code;

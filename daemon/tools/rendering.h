@@ -74,6 +74,8 @@ LF_NODISCARD lf_status lf_rendering_open(lf_rendering *r, lf_error *err);
 LF_NODISCARD lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err);
 /* Sets r->print, with its number of views: of at most n_views_most. LF_E_ARG. */
 LF_NODISCARD lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *err);
+/* The same for views that are yet to be made: any number of them. Refuses what is for flips. */
+LF_NODISCARD lf_status lf_rendering_open_made_print(lf_rendering *r, lf_error *err);
 /* The options of the video. Without --fps, a loop gets a speed by its number of views, and frames
  * of a scene get the fps of the scene. */
 lf_video_options lf_rendering_video_options(const lf_rendering *r);

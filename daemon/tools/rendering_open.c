@@ -59,6 +59,17 @@ lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *e
     return status;
 }
 
+lf_status lf_rendering_open_made_print(lf_rendering *r, lf_error *err)
+{
+    const lf_print_sheet *sheet = &r->arguments->print.sheet;
+    if (sheet->guard > 0 || sheet->morph > 0)
+        return lf_error_set(err, LF_E_ARG, sheet->guard > 0 ? "--guard" : "--morph",
+                            "is for flips of finished images, such as a folder of photos; not for "
+                            "views of a scene");
+    const bool is_micro = lf_print_is_micro(&r->arguments->print);
+    return lf_rendering_open_print(r, is_micro ? MOST_GRID_VIEWS : LF_MAX_VIEWS, err);
+}
+
 /* The new layout of a finished light field: a folder has tiles and aspect only from options and
  * names. */
 static void lay_out_quilt(lf_rendering *r)
@@ -260,8 +271,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
     if (status == LF_OK && a->kind->check_print) {
-        const int n_most = lf_print_is_micro(&a->print) ? MOST_GRID_VIEWS : LF_MAX_VIEWS;
-        status = lf_rendering_open_print(r, n_most, err);
+        status = lf_rendering_open_made_print(r, err);
         if (status == LF_OK)
             lf_output_print_view(&r->print, &r->settings);
         if (status == LF_OK && is_alone(r))

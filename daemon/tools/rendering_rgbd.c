@@ -46,7 +46,7 @@ static lf_status lay_out_print(lf_rendering *r, lf_rgbd_file *file, lf_layout *o
     if (a->print.horizontal)
         return lf_error_set(err, LF_E_ARG, "--horizontal",
                             "is not supported for images with depth, whose views lie side by side");
-    lf_status status = lf_rendering_open_print(r, LF_MAX_VIEWS, err);
+    lf_status status = lf_rendering_open_made_print(r, err);
     if (status != LF_OK)
         return status;
     const double shift = lf_rgbd_print_depth(file, &r->print);

@@ -41,6 +41,12 @@ static lf_status check(const lf_print *print, lf_error *err)
         return lf_error_set(
             err, LF_E_ARG, "chart",
             "a chart cannot be combined with views, bleed, phase, stripes, reverse or marks");
+    const lf_print_sheet *sheet = &print->sheet;
+    if (sheet->columns > 1 || sheet->rows > 1 || sheet->paper_width_mm > 0.0 || sheet->label ||
+        sheet->gutter_mm != 0.0 || sheet->guard > 0 || sheet->morph > 0)
+        return lf_error_set(
+            err, LF_E_ARG, "chart",
+            "a chart cannot be combined with copies, gutter, paper, label, guard or morph");
     return LF_OK;
 }
 

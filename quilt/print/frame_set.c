@@ -43,8 +43,7 @@ lf_status lf_frame_set_check(const lf_print *print, lf_error *err)
     return status == LF_OK ? lf_print_check(&frame, NULL, err) : status;
 }
 
-/* ------------------------------------------------------------------------------------- frames --
- */
+/* ------------------------------------------------------------------------------------ frames -- */
 
 typedef struct frames {
     const lf_print *print;
@@ -107,8 +106,7 @@ static lf_status write_frames(const lf_print *print, const lf_print *frame, cons
     return status;
 }
 
-/* --------------------------------------------------------------------------------------- told --
- */
+/* -------------------------------------------------------------------------------------- told -- */
 
 static json_t *sizes_json(const lf_print *print, const lf_print_shape *shape)
 {

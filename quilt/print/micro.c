@@ -303,9 +303,11 @@ static void add_area(const lf_micro *m, const polygon *pixel, float *out)
 void lf_micro_row(lf_micro *m, int y, float *row)
 {
     const double right_mm = 25.4 / m->print->dpi, down_mm = 25.4 / lf_print_dpi_down(m->print);
-    const double down = (y + 0.5 - 0.5 * m->shape->raster_height) * down_mm;
+    const double down =
+        (y + 0.5 - 0.5 * m->shape->raster_height) * down_mm - m->shape->shift_down_mm;
     for (int x = 0; x < m->shape->raster_width; x++) {
-        const double right = (x + 0.5 - 0.5 * m->shape->raster_width) * right_mm;
+        const double right =
+            (x + 0.5 - 0.5 * m->shape->raster_width) * right_mm - m->shape->shift_right_mm;
         float *out = row + 3 * (size_t)x;
         out[0] = out[1] = out[2] = 0.0F;
         if (m->print->stripes == LF_STRIPES_NEAREST) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/marks.h"
 #include "quilt/print/relief.h"
 
@@ -100,6 +101,17 @@ static lf_status check_optics(const lf_print *print, lf_error *err)
     return LF_OK;
 }
 
+/* The copies, labels and marks fit on their page. */
+static lf_status check_sheet(const lf_print *print, lf_error *err)
+{
+    lf_print_shape shape;
+    lf_sheet sheet;
+    lf_print_shape_of(print, &shape);
+    const lf_status status = lf_sheet_init(&sheet, print, &shape, err);
+    lf_sheet_finish(&sheet);
+    return status;
+}
+
 lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_error *err)
 {
     const lf_status status = lf_param_check(lf_print_params, print, "print", err);
@@ -113,10 +125,12 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     if (print->rolled && !print->horizontal)
         return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
     lf_relief relief;
-    lf_status optics = check_optics(print, err);
-    if (optics == LF_OK && print->relief)
-        optics = lf_relief_of(print, &relief, err);
-    return optics != LF_OK ? optics : check_views(print, out_warning, err);
+    lf_status parts = check_optics(print, err);
+    if (parts == LF_OK)
+        parts = check_sheet(print, err);
+    if (parts == LF_OK && print->relief)
+        parts = lf_relief_of(print, &relief, err);
+    return parts != LF_OK ? parts : check_views(print, out_warning, err);
 }
 
 /* A micro sheet shows all views that there are, if they are fewer than it could. */
@@ -138,11 +152,12 @@ static lf_status choose_micro_views(lf_print *print, int n_most, const char *whe
 lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, const char *pointer,
                                 lf_error *err)
 {
-    if (print->n_views > n_most)
+    const int n_frames = lf_flip_frames(print, n_most), guard = print->sheet.guard;
+    if (print->n_views > n_frames && guard == 0)
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
-                               "%d views requested, but only %d exist", print->n_views, n_most);
+                               "%d views requested, but only %d exist", print->n_views, n_frames);
     if (print->n_views > 0)
-        return LF_OK;
+        return lf_flip_check(print, n_most, where, err);
     if (lf_print_is_micro(print))
         return choose_micro_views(print, n_most, where, err);
     const double pixels_per_lens = lf_print_pixels_per_lens(print);
@@ -152,8 +167,16 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
                             "use a lower lpi or higher dpi",
                             print->lpi, pixels_per_lens, lf_print_dpi_across(print));
     const double clean = fmax(2, floor(VIEWS_A_PIXEL * pixels_per_lens + 1e-9));
-    print->n_views = (int)fmin(clean, n_most);
-    return LF_OK;
+    if (guard == 0) {
+        print->n_views = (int)fmin(clean, n_frames);
+        return LF_OK;
+    }
+    const double evenly = n_frames * floor(clean / n_frames);
+    print->n_views = (int)(evenly >= n_frames * (1.0 + guard) ? evenly : clean);
+    const lf_status status = lf_flip_check(print, n_most, where, err);
+    if (status != LF_OK)
+        print->n_views = 0;
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------- shape -- */
@@ -264,82 +287,97 @@ typedef struct line_key {
     int view, lens;
 } line_key;
 
-/* State of writing a print. */
+/* State of drawing rows of copies. Strips that are made at the same time have a job each, with
+ * lines and samples of its own. */
 typedef struct job {
-    const lf_print *print;
-    lf_print_shape shape;
+    const struct page *page;
     lf_print_source source;
-    lf_print_colour *colour;
     lf_marks marks;
-    lf_stripe_mix *mix; /* [pixels across the lenses]; NULL: not separable */
-} job;
-
-/* What draws rows. Strips that are made at the same time have one each. */
-typedef struct hand {
-    const job *job;
-    lf_print_source source; /* with a line of its own */
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
-    line_key held[3];    /* horizontal: the contents of the three lines of samples */
-    lf_slanted *slanted; /* instead of samples: */
+    line_key held[3];     /* horizontal: the contents of the three lines of samples */
+    lf_print_shape shape; /* of the copy that is drawn, with its shift, for … */
+    lf_slanted *slanted;  /* … these, instead of samples */
     lf_micro *micro;
-} hand;
+} job;
 
-static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
+/* What all jobs share. */
+typedef struct page {
+    const lf_print *print;
+    lf_print_shape shape;
+    lf_sheet sheet;
+    lf_print_source source;
+    lf_print_colour *colour;
+    bool is_alone;         /* one copy fills the page */
+    lf_stripe_mix *mix;    /* [n_mixes][n_across]: copies with one place on their pixels share one;
+                              NULL: not separable */
+    int n_mixes, n_across; /* pixels of a copy across the lenses */
+    job jobs[LF_PRINT_MAX_HANDS];
+    int n_jobs;
+} page;
+
+/* Straight lenses give a column (row) of copies one place on the pixels. */
+static const lf_stripe_mix *mix_of(const page *p, int copy)
 {
-    const lf_print *print = j->print;
-    const int across = print->horizontal ? j->shape.raster_height : j->shape.raster_width;
-    lf_status status = lf_print_source_init(&j->source, print, &j->shape, views, tone);
-    if (status != LF_OK || lf_print_is_micro(print) || !lf_print_is_separable(print))
+    const int n_columns = p->sheet.n_columns;
+    const int i = p->print->horizontal ? copy / n_columns : copy % n_columns;
+    return p->mix + (size_t)i * (size_t)p->n_across;
+}
+
+static lf_status make_mixes(page *p)
+{
+    if (!lf_print_is_separable(p->print))
+        return LF_OK;
+    const bool horizontal = p->print->horizontal;
+    p->n_mixes = horizontal ? p->sheet.n_rows : p->sheet.n_columns;
+    p->n_across = horizontal ? p->shape.raster_height : p->shape.raster_width;
+    p->mix = lf_calloc((size_t)p->n_mixes * (size_t)p->n_across, sizeof *p->mix);
+    for (int i = 0; p->mix && i < p->n_mixes; i++) {
+        const lf_copy *copy = &p->sheet.copies[horizontal ? i * p->sheet.n_columns : i];
+        lf_print_shape shape = p->shape;
+        shape.shift_right_mm = copy->shift_right_mm;
+        shape.shift_down_mm = copy->shift_down_mm;
+        for (int pixel = 0; pixel < p->n_across; pixel++)
+            lf_stripe_mix_at(p->print, &shape, pixel,
+                             p->mix + (size_t)i * (size_t)p->n_across + pixel);
+    }
+    return p->mix ? LF_OK : LF_E_NOMEM;
+}
+
+static lf_status make_samples(job *j, const page *p)
+{
+    const size_t lines = p->print->horizontal ? 3 : (size_t)p->print->n_views;
+    const size_t line = (size_t)(p->print->horizontal ? p->shape.n_along : p->shape.n_lenses);
+    j->samples = lf_calloc(lines * line, 3 * sizeof *j->samples);
+    for (int i = 0; i < 3; i++)
+        j->held[i] = (line_key){-1, -1};
+    return j->samples ? LF_OK : LF_E_NOMEM;
+}
+
+/* Call job_finish also after a failure. */
+static lf_status job_init(job *j, const page *p)
+{
+    *j = (job){.page = p, .source = p->source, .shape = p->shape};
+    lf_status status = lf_print_source_share(&j->source);
+    if (status == LF_OK)
+        status = lf_marks_init(&j->marks, p->print, &p->sheet);
+    if (status != LF_OK)
         return status;
-    j->mix = lf_calloc((size_t)across, sizeof *j->mix);
-    if (!j->mix)
-        return LF_E_NOMEM;
-    for (int pixel = 0; pixel < across; pixel++)
-        lf_stripe_mix_at(print, &j->shape, pixel, &j->mix[pixel]);
-    return LF_OK;
+    if (lf_print_is_micro(p->print))
+        return lf_micro_create(p->print, &j->shape, &j->source, &j->micro);
+    if (!p->mix)
+        return lf_slanted_create(p->print, &j->shape, &j->source, &j->slanted);
+    return make_samples(j, p);
 }
 
 static void job_finish(job *j)
 {
-    lf_print_source_finish(&j->source);
-    lf_print_colour_destroy(j->colour);
-    lf_free(j->mix);
-}
-
-static lf_status make_samples(hand *h)
-{
-    const lf_print *print = h->job->print;
-    const lf_print_shape *shape = &h->job->shape;
-    const size_t lines = print->horizontal ? 3 : (size_t)print->n_views;
-    const size_t line = (size_t)(print->horizontal ? shape->n_along : shape->n_lenses);
-    h->samples = lf_calloc(lines * line, 3 * sizeof *h->samples);
-    for (int i = 0; i < 3; i++)
-        h->held[i] = (line_key){-1, -1};
-    return h->samples ? LF_OK : LF_E_NOMEM;
-}
-
-/* Call hand_finish also after a failure. */
-static lf_status hand_init(hand *h, const job *j)
-{
-    *h = (hand){.job = j, .source = j->source};
-    const lf_status status = lf_print_source_share(&h->source);
-    if (status != LF_OK)
-        return status;
-    if (lf_print_is_micro(j->print))
-        return lf_micro_create(j->print, &j->shape, &h->source, &h->micro);
-    if (!j->mix)
-        return lf_slanted_create(j->print, &j->shape, &h->source, &h->slanted);
-    return make_samples(h);
-}
-
-static void hand_finish(hand *h)
-{
-    lf_free(h->source.line);
-    lf_slanted_destroy(h->slanted);
-    lf_micro_destroy(h->micro);
-    lf_free(h->samples);
+    lf_free(j->source.line);
+    lf_marks_finish(&j->marks);
+    lf_slanted_destroy(j->slanted);
+    lf_micro_destroy(j->micro);
+    lf_free(j->samples);
 }
 
 /* Adds weighted pixels: out[i] = sum over slots of weight * in. */
@@ -349,100 +387,158 @@ static inline void mix_pixel(const lf_stripe_mix *mix, const float *const in[3],
         out[c] = mix->weight[0] * in[0][c] + mix->weight[1] * in[1][c] + mix->weight[2] * in[2][c];
 }
 
-static void vertical_row(hand *h, int y, float *row)
+/* The samples of row y of a copy, for vertical_row. */
+static void gather_row(job *j, int y)
 {
-    const size_t n_lenses = (size_t)h->job->shape.n_lenses;
-    for (int view = 0; view < h->job->print->n_views; view++)
-        lf_print_source_across(&h->source, view, y, h->samples + (size_t)view * n_lenses * 3);
-    for (int x = 0; x < h->job->shape.raster_width; x++) {
-        const lf_stripe_mix *mix = &h->job->mix[x];
+    const size_t n_lenses = (size_t)j->page->shape.n_lenses;
+    for (int view = 0; view < j->page->print->n_views; view++)
+        lf_print_source_across(&j->source, view, y, j->samples + (size_t)view * n_lenses * 3);
+}
+
+static void vertical_row(const job *j, const lf_stripe_mix *mixes, float *row)
+{
+    const size_t n_lenses = (size_t)j->page->shape.n_lenses;
+    for (int x = 0; x < j->page->shape.raster_width; x++) {
+        const lf_stripe_mix *mix = &mixes[x];
         const float *in[3];
         for (int slot = 0; slot < 3; slot++)
             in[slot] =
-                h->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
+                j->samples + 3 * ((size_t)mix->view[slot] * n_lenses + (size_t)mix->lens[slot]);
         mix_pixel(mix, in, row + 3 * (size_t)x);
     }
 }
 
 /* The line of one stripe, cached because consecutive rows share stripes. A line that this row needs
  * is never replaced, since it needs at most three and there are three. */
-static const float *stripe_line(hand *h, const lf_stripe_mix *mix, int slot)
+static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
 {
-    const size_t line_size = (size_t)h->job->shape.n_along * 3;
+    const size_t line_size = (size_t)j->page->shape.n_along * 3;
     int free_line = 0;
     for (int line = 0; line < 3; line++) {
         bool needed = false;
-        if (h->held[line].view == mix->view[slot] && h->held[line].lens == mix->lens[slot])
-            return h->samples + (size_t)line * line_size;
+        if (j->held[line].view == mix->view[slot] && j->held[line].lens == mix->lens[slot])
+            return j->samples + (size_t)line * line_size;
         for (int other = 0; other < 3; other++)
-            needed = needed || (h->held[line].view == mix->view[other] &&
-                                h->held[line].lens == mix->lens[other]);
+            needed = needed || (j->held[line].view == mix->view[other] &&
+                                j->held[line].lens == mix->lens[other]);
         if (!needed)
             free_line = line;
     }
-    h->held[free_line] = (line_key){mix->view[slot], mix->lens[slot]};
-    float *out = h->samples + (size_t)free_line * line_size;
-    lf_print_source_along(&h->source, mix->view[slot], mix->lens[slot], out);
+    j->held[free_line] = (line_key){mix->view[slot], mix->lens[slot]};
+    float *out = j->samples + (size_t)free_line * line_size;
+    lf_print_source_along(&j->source, mix->view[slot], mix->lens[slot], out);
     return out;
 }
 
-static void horizontal_row(hand *h, int y, float *row)
+static void horizontal_row(job *j, const lf_stripe_mix *mix, float *row)
 {
-    const lf_stripe_mix *mix = &h->job->mix[y];
     const float *line[3];
     for (int slot = 0; slot < 3; slot++)
-        line[slot] = stripe_line(h, mix, slot);
-    for (size_t x = 0; x < (size_t)h->job->shape.raster_width; x++) {
+        line[slot] = stripe_line(j, mix, slot);
+    for (size_t x = 0; x < (size_t)j->page->shape.raster_width; x++) {
         const float *in[3] = {line[0] + 3 * x, line[1] + 3 * x, line[2] + 3 * x};
         mix_pixel(mix, in, row + 3 * x);
     }
 }
 
-static void draw_row(void *context, int y, float *row)
+/* Draws row y of the copies from the first of their row on. Horizontal lenses are the same in all
+ * of them. */
+static void draw_copies(job *j, int first, int y, float *row)
 {
-    hand *h = context;
-    const job *j = h->job;
-    const int margin = j->shape.margin_px;
-    if (margin > 0)
-        lf_marks_row(&j->marks, y, row);
-    y -= j->shape.margin_down_px;
-    row += (size_t)margin * 3;
-    if (y < 0 || y >= j->shape.raster_height)
-        return;
-    if (h->micro)
-        lf_micro_row(h->micro, y, row);
-    else if (h->slanted)
-        lf_slanted_row(h->slanted, y, row);
-    else if (j->print->horizontal)
-        horizontal_row(h, y, row);
+    const page *p = j->page;
+    const size_t size = (size_t)p->shape.raster_width * 3;
+    const lf_copy *copies = p->sheet.copies;
+    float *start = row + (size_t)copies[first].left * 3;
+    if (p->print->horizontal)
+        horizontal_row(j, mix_of(p, first) + y, start);
     else
-        vertical_row(h, y, row);
+        gather_row(j, y);
+    for (int i = first; i < first + p->sheet.n_columns; i++) {
+        float *out = row + (size_t)copies[i].left * 3;
+        if (!p->print->horizontal)
+            vertical_row(j, mix_of(p, i), out);
+        else if (i > first)
+            memcpy(out, start, size * sizeof *out);
+    }
 }
 
-static lf_status write_raster(job *j, const lf_print_run *run, const char *description,
+/* Draws row y of the page where it meets a copy of a sheet that is not separable. */
+static void draw_general(job *j, const lf_copy *copy, int y, float *row)
+{
+    const int at = y - copy->top;
+    float *out = row + (size_t)copy->left * 3;
+    if (at < 0 || at >= j->page->shape.raster_height)
+        return;
+    j->shape.shift_right_mm = copy->shift_right_mm;
+    j->shape.shift_down_mm = copy->shift_down_mm;
+    if (j->micro)
+        lf_micro_row(j->micro, at, out);
+    else
+        lf_slanted_row(j->slanted, at, out);
+}
+
+static void draw_row(void *context, int y, float *row)
+{
+    job *j = context;
+    const page *p = j->page;
+    if (!p->is_alone)
+        lf_marks_row(&j->marks, y, row);
+    for (int i = 0; !p->mix && i < p->sheet.n_rows * p->sheet.n_columns; i++)
+        draw_general(j, &p->sheet.copies[i], y, row);
+    for (int r = 0; p->mix && r < p->sheet.n_rows; r++) {
+        const int first = r * p->sheet.n_columns, at = y - p->sheet.copies[first].top;
+        if (at >= 0 && at < p->shape.raster_height)
+            draw_copies(j, first, at, row);
+    }
+}
+
+/* -------------------------------------------------------------------------------------- page -- */
+
+static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone, int n_jobs,
+                           lf_error *err)
+{
+    lf_print_shape_of(p->print, &p->shape);
+    lf_status status = lf_sheet_init(&p->sheet, p->print, &p->shape, err);
+    if (status == LF_OK)
+        status = lf_print_colour_create(p->print, &p->colour, err);
+    if (status != LF_OK)
+        return status;
+    p->is_alone =
+        p->sheet.width == p->shape.raster_width && p->sheet.height == p->shape.raster_height;
+    status = lf_print_source_init(&p->source, p->print, &p->shape, views, tone);
+    if (status == LF_OK)
+        status = make_mixes(p);
+    while (p->n_jobs < n_jobs && status == LF_OK)
+        status = job_init(&p->jobs[p->n_jobs++], p);
+    return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
+}
+
+static void page_finish(page *p)
+{
+    for (int i = 0; i < p->n_jobs; i++)
+        job_finish(&p->jobs[i]);
+    lf_print_source_finish(&p->source);
+    lf_print_colour_destroy(p->colour);
+    lf_free(p->mix);
+    lf_sheet_finish(&p->sheet);
+}
+
+static lf_status write_raster(page *p, const lf_print_run *run, const char *description,
                               int rows_per_strip, lf_outfile *tiff, lf_error *err)
 {
-    hand hands[LF_PRINT_MAX_HANDS];
     void *contexts[LF_PRINT_MAX_HANDS];
-    lf_status status = LF_OK;
-    lf_print_page page = {.print = j->print,
-                          .width = j->marks.width,
-                          .height = j->marks.height,
-                          .description = description,
-                          .draw = draw_row,
-                          .hands = contexts};
-    while (page.n_hands < lf_print_hands(run) && status == LF_OK) {
-        status = hand_init(&hands[page.n_hands], j);
-        contexts[page.n_hands] = &hands[page.n_hands];
-        page.n_hands++;
-    }
-    if (status == LF_OK)
-        status = lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
-    else
-        lf_error_set(err, status, "print", "out of memory");
-    for (int i = 0; i < page.n_hands; i++)
-        hand_finish(&hands[i]);
-    return status;
+    for (int i = 0; i < p->n_jobs; i++)
+        contexts[i] = &p->jobs[i];
+    const lf_print_page file = {.print = p->print,
+                                .width = p->sheet.width,
+                                .height = p->sheet.height,
+                                .description = description,
+                                .draw = draw_row,
+                                .context = contexts[0],
+                                .hands = contexts,
+                                .n_hands = p->n_jobs,
+                                .sheet = &p->sheet};
+    return lf_print_page_write(&file, p->colour, run, rows_per_strip, tiff, err);
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
@@ -470,46 +566,37 @@ static lf_status check_given(const lf_print *print, const lf_views32 *views, con
     return status;
 }
 
-/* Call job_finish also after a failure. */
-static lf_status job_start(job *j, const lf_views32 *views, const lf_tone *tone, lf_error *err)
-{
-    lf_print_shape_of(j->print, &j->shape);
-    j->marks = lf_marks_of(j->print, &j->shape);
-    lf_status status = lf_print_colour_create(j->print, &j->colour, err);
-    if (status != LF_OK)
-        return status;
-    status = job_init(j, views, tone);
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, "print", "out of memory");
-}
-
 lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                 const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
                                 lf_outfile *manifest, lf_error *err)
 {
-    job j = {.print = print};
+    page p = {.print = print};
     lf_tone *tone = NULL;
     lf_relief relief;
-    lf_print_facts facts = {.print = print, .shape = &j.shape, .source = &j.source, .run = run};
+    lf_print_facts facts = {
+        .print = print, .shape = &p.shape, .sheet = &p.sheet, .source = &p.source, .run = run};
     char description[160], dpi[48];
     lf_status status = check_given(print, views, &facts.warning, err);
+    if (status == LF_OK)
+        status = lf_flip_check(print, views->n_views, "print", err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    status = job_start(&j, views, tone, err);
+    snprintf(description, sizeof description,
+             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
+             print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
+    status = page_init(&p, views, tone, lf_print_hands(run), err);
     if (status == LF_OK && print->relief) {
         status = write_relief(print, run, &relief, err);
         facts.relief = &relief;
     }
-    snprintf(description, sizeof description,
-             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
-             print->n_views, print->lpi, lf_print_dpi_text(print, dpi, sizeof dpi));
     if (status == LF_OK)
-        status = write_raster(&j, run, description, rows_per_strip, tiff, err);
-    facts.colour = j.colour;
+        status = write_raster(&p, run, description, rows_per_strip, tiff, err);
+    facts.colour = p.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);
-    job_finish(&j);
+    page_finish(&p);
     lf_tone_destroy(tone);
     return status;
 }
@@ -518,17 +605,17 @@ lf_status lf_print_write_frame(const lf_print *print, const lf_views32 *view,
                                const lf_print_run *run, const char *description, lf_outfile *tiff,
                                lf_error *err)
 {
-    job j = {.print = print};
+    page p = {.print = print};
     lf_tone *tone = NULL;
     lf_status status = check_given(print, view, NULL, err);
     if (status == LF_OK)
         status = lf_tone_create(run->exposure, run->tonemap ? run->tonemap : "srgb", &tone, err);
     if (status != LF_OK)
         return status;
-    status = job_start(&j, view, tone, err);
+    status = page_init(&p, view, tone, lf_print_hands(run), err);
     if (status == LF_OK)
-        status = write_raster(&j, run, description, 0, tiff, err);
-    job_finish(&j);
+        status = write_raster(&p, run, description, 0, tiff, err);
+    page_finish(&p);
     lf_tone_destroy(tone);
     return status;
 }

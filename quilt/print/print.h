@@ -87,9 +87,9 @@ double lf_pixel_share(const lf_pixel_spread *spread, double t);
 
 /* The source of display light for the interlacer. */
 typedef struct lf_print_source {
+    const lf_print *print;
     const lf_views32 *views;
     const lf_tone *tone;
-    int n_stripe_views; /* the print's number of views */
     bool resampled;     /* views do not have the print's shape; `place` positions them, in mm */
     lf_photo_place place;
     /* floats from sample to sample of a view, across the lenses and along them */
@@ -100,7 +100,7 @@ typedef struct lf_print_source {
     size_t line_pixels;
 } lf_print_source;
 
-/* Borrows views and tone. LF_E_NOMEM. */
+/* Borrows print, views and tone. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
                                             const lf_print_shape *shape, const lf_views32 *views,
                                             const lf_tone *tone);
@@ -108,8 +108,6 @@ void lf_print_source_finish(lf_print_source *source);
 /* Gives a copy of a source a line of its own, so that another thread can use it. The caller frees
  * the copy's line, and finishes the original last. LF_E_NOMEM, with line NULL. */
 LF_NODISCARD lf_status lf_print_source_share(lf_print_source *copy);
-/* The view of the source for stripe view i. */
-int lf_print_source_view(const lf_print_source *source, int i);
 /* Linear display light of stripe view i. across: at printer row (column) `along`, all lenses
  * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
@@ -169,6 +167,7 @@ typedef struct lf_print_page {
      * alone. */
     void *const *hands;
     int n_hands;
+    const struct lf_sheet *sheet; /* the copies; NULL: one in the middle */
 } lf_print_page;
 
 /* How many hands a page can use in this run: 1..LF_PRINT_MAX_HANDS. */
@@ -242,7 +241,8 @@ void lf_print_witness_see(lf_print_witness *witness, int y, int n, const void *r
 typedef struct lf_print_facts {
     const lf_print *print;
     const lf_print_shape *shape;
-    const lf_print_source *source; /* for a picture; NULL for a chart */
+    const struct lf_sheet *sheet;  /* for a picture; NULL for a chart */
+    const lf_print_source *source; /* the same */
     const lf_print_colour *colour;
     const lf_print_run *run;
     const char *warning; /* may be NULL */

@@ -9,7 +9,9 @@
 
 #include "base/alloc.h"
 #include "base/version.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/relief.h"
+#include "quilt/print/sheet.h"
 
 #define HEX_SIZE (2 * SHA256_DIGEST_SIZE + 1)
 #define READ_BYTES (64 << 10)
@@ -94,24 +96,96 @@ static json_t *both_ways(double right, double down)
     return right == floor(right) ? json_integer((json_int_t)right) : json_real(right);
 }
 
-/* Boxes are in the final file, with marks. */
-static json_t *size_part(const lf_print *print, const lf_print_shape *shape)
+/* The trim edges around a copy in the final file, with marks, in pixels. */
+static void trim_box(const lf_print *print, const lf_sheet *sheet, const lf_copy *copy,
+                     double out[static 4])
 {
     const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
-    const int width = shape->raster_width + 2 * shape->margin_px,
-              height = shape->raster_height + 2 * shape->margin_down_px;
-    const double left = 0.5 * (width - print->width_mm / right_mm);
-    const double top = 0.5 * (height - print->height_mm / down_mm);
+    const double right = (print->mirror ? -copy->right_mm : copy->right_mm) / right_mm;
+    out[0] = 0.5 * (sheet->width - print->width_mm / right_mm) + right;
+    out[1] = 0.5 * (sheet->height - print->height_mm / down_mm) + copy->down_mm / down_mm;
+    out[2] = 0.5 * (sheet->width + print->width_mm / right_mm) + right;
+    out[3] = 0.5 * (sheet->height + print->height_mm / down_mm) + copy->down_mm / down_mm;
+}
+
+/* The same around all copies. */
+static void whole_box(const lf_print *print, const lf_sheet *sheet, double out[static 4])
+{
+    trim_box(print, sheet, &sheet->copies[0], out);
+    for (int i = 1; i < sheet->n_rows * sheet->n_columns; i++) {
+        double box[4];
+        trim_box(print, sheet, &sheet->copies[i], box);
+        for (int k = 0; k < 4; k++)
+            out[k] = k < 2 ? fmin(out[k], box[k]) : fmax(out[k], box[k]);
+    }
+}
+
+/* The members trim_box_px and trim_box_mm, added to object. */
+static json_t *with_box(json_t *object, const lf_print *print, const double box[static 4])
+{
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
+    json_t *boxes = json_pack("{s:[f,f,f,f], s:[f,f,f,f]}", "trim_box_px", box[0], box[1], box[2],
+                              box[3], "trim_box_mm", box[0] * right_mm, box[1] * down_mm,
+                              box[2] * right_mm, box[3] * down_mm);
+    if (object && json_object_update_new(object, boxes) == 0)
+        return object;
+    json_decref(object);
+    return NULL;
+}
+
+/* Boxes are in the final file, with marks. A chart has no sheet. */
+static json_t *size_part(const lf_print_facts *facts)
+{
+    const lf_print *print = facts->print;
+    const lf_print_shape *shape = facts->shape;
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
+    lf_copy middle = {0};
+    const lf_sheet alone = {shape->raster_width, shape->raster_height, 1, 1, .copies = &middle};
+    const lf_sheet *sheet = facts->sheet ? facts->sheet : &alone;
     const double margin_mm[2] = {shape->margin_px * right_mm, shape->margin_down_px * down_mm};
-    return json_pack("{s:[f,f], s:f, s:o, s:o, s:[i,i], s:[f,f], s:[f,f,f,f], s:[f,f,f,f]}",
-                     "trim_mm", print->width_mm, print->height_mm, "bleed_mm", print->bleed_mm,
-                     "marks_mm",
-                     margin_mm[0] == margin_mm[1] ? json_real(margin_mm[0])
-                                                  : both_ways(margin_mm[0], margin_mm[1]),
-                     "dpi", both_ways(print->dpi, lf_print_dpi_down(print)), "raster_px", width,
-                     height, "raster_mm", width * right_mm, height * down_mm, "trim_box_px", left,
-                     top, width - left, height - top, "trim_box_mm", left * right_mm, top * down_mm,
-                     left * right_mm + print->width_mm, top * down_mm + print->height_mm);
+    double box[4];
+    whole_box(print, sheet, box);
+    return with_box(
+        json_pack("{s:[f,f], s:f, s:o, s:o, s:[i,i], s:[f,f]}", "trim_mm", print->width_mm,
+                  print->height_mm, "bleed_mm", print->bleed_mm, "marks_mm",
+                  margin_mm[0] == margin_mm[1] ? json_real(margin_mm[0])
+                                               : both_ways(margin_mm[0], margin_mm[1]),
+                  "dpi", both_ways(print->dpi, lf_print_dpi_down(print)), "raster_px", sheet->width,
+                  sheet->height, "raster_mm", sheet->width * right_mm, sheet->height * down_mm),
+        print, box);
+}
+
+static json_t *copy_parts(const lf_print_facts *facts)
+{
+    const lf_sheet *sheet = facts->sheet;
+    const double side = facts->print->mirror ? -1.0 : 1.0;
+    json_t *copies = json_array();
+    for (int i = 0; copies && i < sheet->n_rows * sheet->n_columns; i++) {
+        const lf_copy *copy = &sheet->copies[i];
+        double box[4];
+        trim_box(facts->print, sheet, copy, box);
+        json_t *part = json_pack("{s:i, s:i, s:[f,f], s:i}", "column", i % sheet->n_columns, "row",
+                                 i / sheet->n_columns, "middle_mm", side * copy->right_mm,
+                                 copy->down_mm, "lens", copy->lens);
+        json_array_append_new(copies, with_box(part, facts->print, box));
+    }
+    return copies;
+}
+
+/* The page: its copies, from the middle of the file; NULL for one print alone. */
+static json_t *sheet_part(const lf_print_facts *facts)
+{
+    const lf_sheet *sheet = facts->sheet;
+    if (sheet->n_rows * sheet->n_columns == 1 && sheet->label_mm == 0.0 &&
+        facts->print->sheet.paper_width_mm == 0.0)
+        return NULL;
+    return json_pack("{s:i, s:i, s:[f,f], s:f, s:s, s:o?, s:f, s:o}", "columns", sheet->n_columns,
+                     "rows", sheet->n_rows, "step_mm", sheet->step_right_mm, sheet->step_down_mm,
+                     "mechanical_pitch_mm", sheet->mechanical_mm, "mechanical_pitch_kind",
+                     sheet->mechanical_known ? "from thickness, index and distance"
+                                             : "unknown, the visual pitch is used",
+                     "label", sheet->label_mm > 0.0 ? json_string(sheet->label) : NULL, "label_mm",
+                     sheet->label_mm, "copies", copy_parts(facts));
 }
 
 /* Views in the order of a cell's stripes in the final file, from left to right (top to bottom). */
@@ -156,20 +230,32 @@ static json_t *photo_part(const lf_print_source *source)
                      place->above, "cut", place->cut);
 }
 
+/* Which image each stripe shows; a blend of images 2 and 3 is 2.5; null is a guard of one light. */
+static json_t *shown_part(const lf_print_facts *facts)
+{
+    const int n_images = facts->source->views->n_views;
+    json_t *shown = json_array();
+    for (int i = 0; shown && i < facts->print->n_views; i++) {
+        const lf_stripe_content content = lf_flip_content(facts->print, n_images, i);
+        json_array_append_new(shown, content.neutral ? json_null()
+                                     : content.blend > 0.0F
+                                         ? json_real(content.image + (double)content.blend)
+                                         : json_integer(content.image));
+    }
+    return shown;
+}
+
 static json_t *source_part(const lf_print_facts *facts)
 {
     const lf_views32 *views = facts->source->views;
-    json_t *shown = json_array();
-    for (int i = 0; shown && i < facts->print->n_views; i++)
-        json_array_append_new(shown, json_integer(lf_print_source_view(facts->source, i)));
     return json_pack(
-        "{s:i, s:[i,i], s:b, s:s, s:o, s:o?, s:f, s:s, s:o}", "views", views->n_views, "view_px",
-        views->width, views->height, "resampled", facts->source->resampled, "sampling",
+        "{s:i, s:[i,i], s:b, s:s, s:i, s:o, s:o?, s:f, s:s, s:o}", "views", views->n_views,
+        "view_px", views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
                                  : "one sample per lens, the printer's rows",
-        "shown", shown, "photo", photo_part(facts->source), "exposure", facts->run->exposure,
-        "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb",
-        "parallax_lenses",
+        "frames", lf_flip_frames(facts->print, views->n_views), "shown", shown_part(facts), "photo",
+        photo_part(facts->source), "exposure", facts->run->exposure, "tonemap",
+        facts->run->tonemap ? facts->run->tonemap : "srgb", "parallax_lenses",
         facts->print->parallax_lenses > 0.0 ? json_real(facts->print->parallax_lenses)
                                             : json_null());
 }
@@ -239,10 +325,10 @@ static json_t *relief_part(const lf_print_facts *facts)
 /* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
-    return json_pack("{s:o, s:o, s:o, s:o*}", "lens",
+    return json_pack("{s:o, s:o, s:o, s:o*, s:o*}", "lens",
                      lens_part(facts->print, facts->shape, options), "stripes",
                      stripe_part(facts->print, options), "source", source_part(facts), "relief",
-                     relief_part(facts));
+                     relief_part(facts), "sheet", sheet_part(facts));
 }
 
 /* Adds the account of profiles; its warnings are among all. */
@@ -266,11 +352,11 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
     const char *where = manifest->path ? manifest->path : "print manifest";
     json_t *options = lf_param_json(lf_print_params, facts->print);
     json_t *settings = facts->run->settings ? json_deep_copy(facts->run->settings) : NULL;
-    json_t *root = json_pack(
-        "{s:i, s:s, s:s, s:o, s:O?, s:o, s:o, s:o, s:o?}", "quiltd_print", 1, "software",
-        "quiltd " LF_VERSION, "print_at", advice, "file", lf_print_file_json(tiff), "options",
-        options, "size", size_part(facts->print, facts->shape), "colour",
-        colour_part(facts, options), "warnings", warning_part(facts), "settings", settings);
+    json_t *root = json_pack("{s:i, s:s, s:s, s:o, s:O?, s:o, s:o, s:o, s:o?}", "quiltd_print", 1,
+                             "software", "quiltd " LF_VERSION, "print_at", advice, "file",
+                             lf_print_file_json(tiff), "options", options, "size", size_part(facts),
+                             "colour", colour_part(facts, options), "warnings", warning_part(facts),
+                             "settings", settings);
     if (facts->chart)
         json_object_set_new(root, "chart", facts->chart);
     else if (json_object_update_new(root, picture_parts(facts, options)) != 0) {

@@ -3,6 +3,7 @@
 
 #include "base/alloc.h"
 #include "quilt/print/print.h"
+#include "quilt/print/sheet.h"
 
 /* Of pixels; each strip is compressed alone. */
 #define STRIP_BYTES (512 << 10)
@@ -13,16 +14,30 @@ typedef struct sink {
     int rows_per_strip;
 } sink;
 
-/* A box around the middle of the page, at most the page itself. */
-static void box_of(double page_width, double page_height, double width_mm, double height_mm,
-                   double out[4])
+/* The trim edges of all copies with a margin, in points from the bottom left, within the page. A
+ * chart is one copy in the middle. */
+static void box_of(const lf_print_page *page, const lf_pdf_page *out, double margin_mm,
+                   double box[4])
 {
-    const double width = fmin(width_mm * 72.0 / 25.4, page_width),
-                 height = fmin(height_mm * 72.0 / 25.4, page_height);
-    out[0] = 0.5 * (page_width - width);
-    out[1] = 0.5 * (page_height - height);
-    out[2] = page_width - out[0];
-    out[3] = page_height - out[1];
+    const lf_print *print = page->print;
+    const double point = 72.0 / 25.4;
+    const double half_width = (0.5 * print->width_mm + margin_mm) * point,
+                 half_height = (0.5 * print->height_mm + margin_mm) * point;
+    const int n = page->sheet ? page->sheet->n_rows * page->sheet->n_columns : 1;
+    double low[2] = {0}, high[2] = {0}; /* middles of the outermost copies, right and up */
+    for (int i = 0; page->sheet && i < n; i++) {
+        const lf_copy *copy = &page->sheet->copies[i];
+        const double middle[2] = {(print->mirror ? -copy->right_mm : copy->right_mm) * point,
+                                  -copy->down_mm * point};
+        for (int k = 0; k < 2; k++) {
+            low[k] = i == 0 ? middle[k] : fmin(low[k], middle[k]);
+            high[k] = i == 0 ? middle[k] : fmax(high[k], middle[k]);
+        }
+    }
+    box[0] = fmax(0.5 * out->width + low[0] - half_width, 0.0);
+    box[1] = fmax(0.5 * out->height + low[1] - half_height, 0.0);
+    box[2] = fmin(0.5 * out->width + high[0] + half_width, out->width);
+    box[3] = fmin(0.5 * out->height + high[1] + half_height, out->height);
 }
 
 static lf_pdf_page page_of(const lf_print_page *page, const lf_print_colour *colour)
@@ -34,9 +49,8 @@ static lf_pdf_page page_of(const lf_print_page *page, const lf_print_colour *col
                        .profile_channels = lf_print_colour_channels(colour),
                        .profile_name = lf_print_colour_name(colour)};
     out.profile = lf_print_colour_profile(colour, &out.profile_size);
-    box_of(out.width, out.height, print->width_mm, print->height_mm, out.trim);
-    box_of(out.width, out.height, print->width_mm + 2.0 * print->bleed_mm,
-           print->height_mm + 2.0 * print->bleed_mm, out.bleed);
+    box_of(page, &out, 0.0, out.trim);
+    box_of(page, &out, print->bleed_mm, out.bleed);
     return out;
 }
 

@@ -77,12 +77,14 @@ void lf_slanted_destroy(lf_slanted *s)
 
 static double place_right(const lf_slanted *s, int x)
 {
-    return (x + 0.5 - 0.5 * s->shape->raster_width) * (25.4 / s->print->dpi);
+    return (x + 0.5 - 0.5 * s->shape->raster_width) * (25.4 / s->print->dpi) -
+           s->shape->shift_right_mm;
 }
 
 static double place_down(const lf_slanted *s, int y)
 {
-    return (y + 0.5 - 0.5 * s->shape->raster_height) * (25.4 / lf_print_dpi_down(s->print));
+    return (y + 0.5 - 0.5 * s->shape->raster_height) * (25.4 / lf_print_dpi_down(s->print)) -
+           s->shape->shift_down_mm;
 }
 
 /* Two samples and the weight of the second, at a place in samples; clamped to the samples. */

@@ -14,11 +14,13 @@ static double snapped(double s)
 
 /* The stripe coordinate of a position in pixels from the raster's left edge. Whole numbers are
  * borders; stripe 0 is the leftmost of lens 0's cell. */
-static double stripe_coordinate(const lf_print *print, int raster_across, double pixel)
+static double stripe_coordinate(const lf_print *print, const lf_print_shape *shape, double pixel)
 {
+    const int raster_across = print->horizontal ? shape->raster_height : shape->raster_width;
+    const double shift_mm = print->horizontal ? shape->shift_down_mm : shape->shift_right_mm;
     const double dpi = lf_print_dpi_across(print);
     const double pixels_per_lens = dpi / print->lpi;
-    const double phase_px = print->phase_mm * dpi / 25.4;
+    const double phase_px = (print->phase_mm + shift_mm) * dpi / 25.4;
     const double x = pixel - 0.5 * raster_across - phase_px;
     return snapped(print->n_views * (x / pixels_per_lens + 0.5));
 }
@@ -38,15 +40,14 @@ static void put_stripe(const lf_print *print, const lf_print_shape *shape, doubl
 void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
                       lf_stripe_mix *out)
 {
-    const int raster_across = print->horizontal ? shape->raster_height : shape->raster_width;
     if (print->stripes == LF_STRIPES_NEAREST) {
-        const double stripe = floor(stripe_coordinate(print, raster_across, pixel + 0.5));
+        const double stripe = floor(stripe_coordinate(print, shape, pixel + 0.5));
         for (int slot = 0; slot < 3; slot++)
             put_stripe(print, shape, stripe, slot == 0 ? 1.0 : 0.0, slot, out);
         return;
     }
-    const double left = stripe_coordinate(print, raster_across, pixel);
-    const double right = stripe_coordinate(print, raster_across, pixel + 1.0);
+    const double left = stripe_coordinate(print, shape, pixel);
+    const double right = stripe_coordinate(print, shape, pixel + 1.0);
     const double first = floor(left);
 
     for (int slot = 0; slot < 3; slot++) {

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "quilt/print/flip.h"
 #include "quilt/print/relief.h"
 
 /* Aspects closer than this are equal: file names round them. */
@@ -108,7 +109,7 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
     memset(source, 0, sizeof *source);
     source->views = views;
     source->tone = tone;
-    source->n_stripe_views = print->n_views;
+    source->print = print;
     source->resampled = views->width != shape->view_width || views->height != shape->view_height;
     set_axes(source, print);
     source->place = lay(print, shape);
@@ -179,12 +180,6 @@ void lf_print_source_finish(lf_print_source *source)
     memset(source, 0, sizeof *source);
 }
 
-int lf_print_source_view(const lf_print_source *source, int i)
-{
-    return (int)(((2 * (int64_t)i + 1) * source->views->n_views) /
-                 (2 * (int64_t)source->n_stripe_views));
-}
-
 static float finite_or_zero(float v)
 {
     return isfinite(v) ? v : 0.0F;
@@ -211,19 +206,40 @@ static void add_codes(const uint8_t *in, const float *light, const line_place *p
             line[3 * s + c] += weight * light[in[(size_t)s * place->step + (size_t)c]];
 }
 
-/* Gathers one line of a view; each sample is the weighted sum of taps. */
-static void gather_line(const lf_views32 *views, int view, const line_place *place,
-                        const lf_axis_filter *filter, int i, float *line)
+/* Adds a share of one line of a view; each sample is the weighted sum of taps. */
+static void add_view(const lf_views32 *views, int view, float share, const line_place *place,
+                     const lf_axis_filter *filter, int i, float *line)
 {
     const float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
-    memset(line, 0, (size_t)place->n * 3 * sizeof *line);
     for (int t = 0; t < filter->n_taps[i]; t++) {
         size_t at = (size_t)(filter->first[i] + t) * place->tap_step;
         if (views->codes)
-            add_codes(lf_views32_codes(views, view, 0) + at, views->light, place, weight[t], line);
+            add_codes(lf_views32_codes(views, view, 0) + at, views->light, place, share * weight[t],
+                      line);
         else
-            add_floats(lf_views32_row(views, view, 0) + at, place, weight[t], line);
+            add_floats(lf_views32_row(views, view, 0) + at, place, share * weight[t], line);
     }
+}
+
+/* Gathers one line of what a stripe shows, along both axes. False: it is of one light. */
+static bool gather_line(const lf_print_source *source, int stripe, const line_place *place,
+                        const lf_axis_filter *filter, int i, const lf_axis_filter *other,
+                        float *out)
+{
+    const lf_stripe_content content =
+        lf_flip_content(source->print, source->views->n_views, stripe);
+    if (content.neutral) {
+        for (int s = 0; s < 3 * other->n_out; s++)
+            out[s] = content.light;
+        return false;
+    }
+    memset(source->line, 0, (size_t)place->n * 3 * sizeof *source->line);
+    add_view(source->views, content.image, 1.0F - content.blend, place, filter, i, source->line);
+    if (content.blend > 0.0F)
+        add_view(source->views, content.next, content.blend, place, filter, i, source->line);
+    lf_axis_filter_line(other, source->line, out);
+    lf_tone_linear(source->tone, (size_t)other->n_out, out, out);
+    return true;
 }
 
 /* Adds paper white outside the picture. */
@@ -242,26 +258,20 @@ static void add_border(const lf_print_source *source, const lf_axis_filter *filt
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out)
 {
     const line_place place = {source->across_step, source->along_step, source->n_across_in};
-    gather_line(source->views, lf_print_source_view(source, i), &place, &source->along, along,
-                source->line);
-    lf_axis_filter_line(&source->across, source->line, out);
-    lf_tone_linear(source->tone, (size_t)source->across.n_out, out, out);
-    add_border(source, &source->across, source->along.inside[along], out);
+    if (gather_line(source, i, &place, &source->along, along, &source->across, out))
+        add_border(source, &source->across, source->along.inside[along], out);
 }
 
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out)
 {
     const line_place place = {source->along_step, source->across_step, source->n_along_in};
-    gather_line(source->views, lf_print_source_view(source, i), &place, &source->across, lens,
-                source->line);
-    lf_axis_filter_line(&source->along, source->line, out);
-    lf_tone_linear(source->tone, (size_t)source->along.n_out, out, out);
-    add_border(source, &source->along, source->across.inside[lens], out);
+    if (gather_line(source, i, &place, &source->across, lens, &source->along, out))
+        add_border(source, &source->along, source->across.inside[lens], out);
 }
 
-/* A sample of a view, by both filters. */
-static void gather_point(const lf_print_source *source, int view, int across, int along,
-                         float sum[3])
+/* Adds a part of a sample of a view, by both filters. */
+static void add_point(const lf_print_source *source, int view, float part, int across, int along,
+                      float sum[3])
 {
     const lf_views32 *views = source->views;
     const lf_axis_filter *a = &source->across, *b = &source->along;
@@ -273,7 +283,7 @@ static void gather_point(const lf_print_source *source, int view, int across, in
                           (size_t)a->first[across] * place.step;
         for (int s = 0; s < place.n; s++) {
             const size_t i = at + (size_t)s * place.step;
-            const float weight = weight_a[s] * weight_b[t];
+            const float weight = part * weight_a[s] * weight_b[t];
             for (int c = 0; c < 3; c++)
                 sum[c] +=
                     weight * (views->codes
@@ -286,7 +296,14 @@ static void gather_point(const lf_print_source *source, int view, int across, in
 void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out)
 {
     float sum[3] = {0.0F, 0.0F, 0.0F};
-    gather_point(source, lf_print_source_view(source, i), across, along, sum);
+    const lf_stripe_content content = lf_flip_content(source->print, source->views->n_views, i);
+    if (content.neutral) {
+        out[0] = out[1] = out[2] = content.light;
+        return;
+    }
+    add_point(source, content.image, 1.0F - content.blend, across, along, sum);
+    if (content.blend > 0.0F)
+        add_point(source, content.next, content.blend, across, along, sum);
     lf_tone_linear(source->tone, 1, sum, out);
     if (!(source->resampled && (source->place.beside > 0 || source->place.above > 0)))
         return;

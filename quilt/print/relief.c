@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---------------------------------------------------------------------------------- numbers -- */
+/* ----------------------------------------------------------------------------------- numbers -- */
 
 /* Thickness behind which a lens shows this angle: its edge rays meet the print at the edges of the
  * cell. */

@@ -108,7 +108,9 @@ static void say_unmeasured(const lf_check *check, char *out, size_t size)
     else if (check->is_chart)
         snprintf(out, size, "a chart has no views");
     else if (!check->linear)
-        snprintf(out, size, "not measured for micro lenses");
+        snprintf(out, size,
+                 check->laid ? "not measured on a page with several copies or a label"
+                             : "not measured for micro lenses");
     else if (!check->fits)
         snprintf(out, size, "not measured: the file is not what the manifest describes");
     else if (!check->grid.can)

@@ -64,6 +64,7 @@ typedef struct lf_check {
     lf_print_shape shape;
     int width, height; /* raster that the manifest promises, with marks */
     double dpi[2];     /* across the page and down it */
+    bool laid;         /* several copies, a label, or a page around the print */
     bool linear;       /* linear lenses, also slanted or with an exact map */
     bool plain;        /* straight linear lenses of one pitch */
     bool fits;         /* rows can be read and have the promised shape */

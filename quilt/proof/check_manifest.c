@@ -71,6 +71,11 @@ static void size_of(lf_check *check)
         pixels(print->height_mm + bleed, check->dpi[1]) + 2 * pixels(margin, check->dpi[1]);
     if (!check->is_chart)
         lf_print_shape_of(print, &check->shape);
+    if (check->laid) { /* the page is as large as the manifest says */
+        const json_t *root = check->report->manifest;
+        check->width = (int)fmin(fmax(lf_check_number(root, "size", "raster_px", 0), 0.0), 1e9);
+        check->height = (int)fmin(fmax(lf_check_number(root, "size", "raster_px", 1), 0.0), 1e9);
+    }
 }
 
 static lf_status fail(lf_check *check, const char *text)
@@ -105,7 +110,10 @@ lf_status lf_check_manifest_read(lf_check *check, lf_error *err)
     if (status != LF_OK)
         return fail(check, problem.what);
     check->known = true;
-    check->linear = !lf_print_is_micro(&check->print);
+    const lf_print_sheet *sheet = &check->print.sheet;
+    check->laid = sheet->columns > 1 || sheet->rows > 1 || sheet->paper_width_mm > 0.0 ||
+                  sheet->paper_height_mm > 0.0 || sheet->label;
+    check->linear = !lf_print_is_micro(&check->print) && !check->laid;
     check->plain =
         check->linear && check->print.optics.slant == 0.0 && !lf_print_is_exact(&check->print);
     size_of(check);
@@ -176,8 +184,8 @@ static const char *contradiction(const lf_check *check)
     if (!near(lf_check_number(root, "size", "trim_mm", 0), print->width_mm) ||
         !near(lf_check_number(root, "size", "trim_mm", 1), print->height_mm))
         return "trim_mm";
-    if (!near(lf_check_number(root, "size", "trim_box_px", 0),
-              0.5 * check->width - 0.5 * print->width_mm * check->dpi[0] / 25.4))
+    if (!check->laid && !near(lf_check_number(root, "size", "trim_box_px", 0),
+                              0.5 * check->width - 0.5 * print->width_mm * check->dpi[0] / 25.4))
         return "trim_box_px";
     if (check->is_chart)
         return "";

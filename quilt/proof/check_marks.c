@@ -330,7 +330,8 @@ lf_status lf_check_bleed(lf_check *check, lf_error *err)
     static const char limit[] = "the picture goes on into the bleed";
     const int bleed = (int)(check->print.bleed_mm * check->dpi[0] / 25.4);
     int counts[2] = {0, 0};
-    if (!check->fits || check->is_chart || bleed < 1 || 4 * bleed > check->shape.raster_width)
+    if (!check->fits || check->is_chart || check->laid || bleed < 1 ||
+        4 * bleed > check->shape.raster_width)
         return LF_OK;
     float *row = lf_calloc((size_t)check->width, 3 * sizeof *row);
     const int n = 16;

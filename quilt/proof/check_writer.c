@@ -44,6 +44,7 @@ static void shape_strip(const lf_check *check, strip *s)
     print->height_mm = along == 1 ? narrow : print->height_mm + 2.0 * print->bleed_mm;
     print->bleed_mm = 0.0;
     print->marks = false;
+    print->sheet = (lf_print_sheet){0};
     print->icc_path = NULL;
     print->bits = 16;
     print->compress = LF_COMPRESS_NONE;

@@ -85,8 +85,7 @@ static double circle(double radius, double reach, double u)
     return sqrt(radius * radius - u * u) - sqrt(radius * radius - reach * reach);
 }
 
-/* ------------------------------------------------------------------------------------ heights --
- */
+/* ----------------------------------------------------------------------------------- heights -- */
 
 static void heights_are_those_of_a_circle(void **state)
 {
@@ -150,8 +149,7 @@ static void micro_lenses_are_parts_of_spheres(void **state)
     lf_assert_close(lf_relief_height(&relief, 0, p / sqrt(3)), 0, 0, 1e-12);
 }
 
-/* --------------------------------------------------------------------------------------- file --
- */
+/* -------------------------------------------------------------------------------------- file -- */
 
 static void the_file_has_pitch_phase_and_volume_of_the_sheet(void **state)
 {
@@ -221,8 +219,7 @@ static void the_margin_of_marks_is_flat(void **state)
     finish_map(&map);
 }
 
-/* ------------------------------------------------------------------------------------- checks --
- */
+/* ------------------------------------------------------------------------------------ checks -- */
 
 static void the_radius_follows_from_what_is_known(void **state)
 {

@@ -1431,6 +1431,26 @@ export interface Calls {
       "mirror"?: boolean;
       /** add register and alignment marks, 8 mm more on every side */
       "marks"?: boolean;
+      /** copies of the print side by side, for one lens sheet (1) */
+      "columns"?: number;
+      /** copies of the print one below another (1) */
+      "rows"?: number;
+      /** least distance between two copies, outside their bleed [mm] */
+      "gutter"?: number;
+      /** width of the page on which the prints are centred (as large as they need) [mm] */
+      "paper_width"?: number;
+      /** height of the page on which the prints are centred (as large as they need) [mm] */
+      "paper_height"?: number;
+      /** text below each print, outside trim and bleed */
+      "label"?: string;
+      /** height of the label's capital letters (2.5) [mm] */
+      "label_size"?: number;
+      /** stripes between two images of a flip, which keep them apart */
+      "guard"?: number;
+      /** what guard stripes show: the image next to them, or paper white or black */
+      "guard_kind"?: "repeat" | "white" | "black";
+      /** frames that blend each image into the next one */
+      "morph"?: number;
       /** width of the spot that a lens images onto the print [mm] */
       "spot"?: number;
       /** dot gain of the printer at 50 % */
