@@ -78,6 +78,7 @@ typedef struct lf_print_blur {
     int n_crosstalk; /* measured: crosstalk[n + k] is the share of view i + k that is seen at view
                       * i, for k = -n to n; sum 1. 0: unknown */
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
+    int crosstalk_views; /* views under a lens that these are shares of; 0: as many as the print */
 } lf_print_blur;
 
 typedef enum lf_lens_grid { LF_LENS_LINEAR, LF_LENS_SQUARE, LF_LENS_HEXAGONAL } lf_lens_grid;
@@ -182,6 +183,10 @@ LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_wa
 LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where,
                                              const char *pointer, lf_error *err);
 
+/* Converts crosstalk to a print of n_views views under a lens. The light of a share is taken as
+ * spread evenly over its view. */
+void lf_print_fit_crosstalk(lf_print_blur *blur, int n_views);
+
 /* The shape of the views to render for a print. Across the lenses there is one sample per lens
  * (each lens whose stripes touch the raster, with bleed). Along them there is one sample per
  * printer row. The window must be covered by those views. Samples are lens cells: the middle of
@@ -251,6 +256,7 @@ typedef struct lf_print_run {
     lf_print_format format;
     lf_outfile *relief;  /* of a print with relief, empty; the caller commits or abandons it */
     lf_pool *pool;       /* makes strips at the same time, with the same bytes; may be NULL */
+    double *out_ink;     /* CMYK: the densest pixel, the sum of its inks in percent; may be NULL */
     double exposure;     /* stops */
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object to include in the manifest; may be NULL */

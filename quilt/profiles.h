@@ -25,6 +25,7 @@ enum {
     LF_PROFILE_BYTES = 256 << 10, /* of a file, at most */
     LF_PROFILE_CALIBRATIONS = 64, /* of a lens, at most */
     LF_PROFILE_NATIVE = 16,       /* native resolutions of a printer, at most */
+    LF_PROFILE_CHART_VIEWS = 8,   /* views under a lens in charts */
     LF_PROFILE_ENTRIES = 1000,    /* files of a folder that are listed, at most */
 };
 
@@ -46,6 +47,7 @@ typedef struct lf_lens_calibration {
     bool reverse;    /* the views run in reverse order */
     int n_crosstalk; /* as in lf_print_blur */
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
+    int crosstalk_views;   /* views under a lens that these are shares of: 8 in charts */
     char date[11];         /* "2026-11-29"; "" = unknown */
     char chart_sha256[65]; /* of the chart's file; "" = unknown */
 } lf_lens_calibration;

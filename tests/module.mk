@@ -20,6 +20,7 @@ fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
 fuzz_libs_profile := quilt base
 fuzz_libs_print_file := quilt base
+fuzz_libs_pdf := quilt base
 fuzz_libs_probe := engine quilt base
 fuzz_libs_mesh := meshes render base
 fuzz_libs_mesh_arrays := $(fuzz_libs_mesh)

@@ -130,6 +130,11 @@ struct lf_output_kind {
     int (*surplus)(const char *folder, int n, bool remove);
 };
 
+/* A proof is this many images in a column, of eyes across this many times the range of the views.
+ * The leftmost (topmost) eye is at the bottom. */
+#define LF_OUTPUT_PROOF_EYES 25
+#define LF_OUTPUT_PROOF_BEYOND 1.3
+
 /* All kinds, one line each. */
 #define LF_OUTPUT_KINDS(KIND)                                                                      \
     KIND(quilt)                                                                                    \
@@ -139,6 +144,7 @@ struct lf_output_kind {
     KIND(panel)                                                                                    \
     KIND(print)                                                                                    \
     KIND(chart)                                                                                    \
+    KIND(proof)                                                                                    \
     KIND(rgbd)
 
 #define LF_DECLARE_OUTPUT(name) extern const lf_output_kind lf_output_##name;

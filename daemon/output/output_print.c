@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/output/content.h"
 #include "daemon/output/output_internal.h"
 
@@ -148,8 +149,16 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     note_laid(request, source, &laid, &views, &notes);
     run.notes = &notes;
     run.relief = print.relief ? &files[2] : NULL;
-    return print.frame_ppi > 0 ? lf_frame_set_write(&print, &views, &run, files, err)
-                               : lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    double ink = 0;
+    run.out_ink = &ink;
+    const lf_status status = print.frame_ppi > 0
+                                 ? lf_frame_set_write(&print, &views, &run, files, err)
+                                 : lf_print_write(&print, &views, &run, &files[0], &files[1], err);
+    if (status == LF_OK && ink > 0)
+        lf_log(LF_LOG_INFO,
+               "%s: the densest colour has %.0f %% ink; compare it with the shop's limit",
+               request->path, ink);
+    return status;
 }
 
 const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};

@@ -263,13 +263,12 @@ static const struct {
     const lf_param *params;
     bool keeps;
 } tables[] = {{"export", lf_print_params, false},       {"export", lf_panel_params, false},
-              {"export", lf_profile_params, false},
-              {"export", lf_response_params, true},     {"export", lf_rgbd_params, false},
-              {"export", lf_photo_params, false},       {"scene.load", lf_alone_params, false},
-              {"scene.load", lf_photo_params, false},   {"scene.load", lf_picture_params, false},
-              {"scene.load", lf_standing_params, true}, {"quilt.show", lf_standing_params, true},
-              {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
-              {"render.set", lf_option_params, true}};
+              {"export", lf_profile_params, false},     {"export", lf_response_params, true},
+              {"export", lf_rgbd_params, false},        {"export", lf_photo_params, false},
+              {"scene.load", lf_alone_params, false},   {"scene.load", lf_photo_params, false},
+              {"scene.load", lf_picture_params, false}, {"scene.load", lf_standing_params, true},
+              {"quilt.show", lf_standing_params, true}, {"device.set", lf_response_params, true},
+              {"camera.set", lf_camera_params, true},   {"render.set", lf_option_params, true}};
 
 /* Words with an error text of their own. */
 static json_t *refused_words(const lf_param *row)

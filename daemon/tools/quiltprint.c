@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/nearest.h"
 #include "daemon/output/options.h"
 #include "daemon/tools/print_check.h"
 
@@ -108,6 +109,16 @@ static bool follower_at(int operand, int index, char *word, size_t size)
     return follower;
 }
 
+static lf_status unknown_command(const char *word, lf_error *err)
+{
+    const char *names[N_COMMANDS + 1] = {NULL}, *meant;
+    for (int i = 0; i < N_COMMANDS; i++)
+        names[i] = commands[i].name;
+    meant = lf_nearest_name(word, names);
+    return meant ? lf_error_set(err, LF_E_ARG, word, "unknown command; did you mean %s?", meant)
+                 : lf_error_set(err, LF_E_ARG, word, "unknown command; see --help");
+}
+
 static lf_status read_arguments(int argc, char *const argv[], lf_profiles_command *command,
                                 const struct command **out, bool *out_done, lf_error *err)
 {
@@ -128,7 +139,7 @@ static lf_status read_arguments(int argc, char *const argv[], lf_profiles_comman
         if (strcmp(argv[optind], commands[i].name) == 0)
             *out = &commands[i];
     if (!*out)
-        return lf_error_set(err, LF_E_ARG, argv[optind], "unknown command; see --help");
+        return unknown_command(argv[optind], err);
     command->n = argc - optind - 1;
     command->words = argv + optind + 1;
     return LF_OK;

@@ -331,7 +331,8 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     const bool is_video = lf_output_fits(&lf_output_video, a->out);
     if (a->asked && !(a->asked == &lf_output_still && is_video))
         a->kind = a->asked;
-    else if (a->of_print.profiles.lens && lf_output_fits(&lf_output_print, a->out))
+    else if (a->of_print.profiles.lens &&
+             (lf_output_fits(&lf_output_print, a->out) || a->print.frame_ppi > 0))
         a->kind = &lf_output_print; /* --print is not needed: profiles give pitch and raster */
     else
         status = kind_of_ending(a->out, &a->kind, err);

@@ -30,7 +30,7 @@ static const struct {
     const char *kind;
     int n;
 } kinds[] = {{"quilt", 1}, {"still", 1}, {"panel", 1}, {"rgbd", 1},
-             {"state", 1}, {"print", 2}, {"chart", 2}};
+             {"state", 1}, {"print", 2}, {"chart", 2}, {"proof", 1}};
 
 enum { N_KINDS = sizeof kinds / sizeof kinds[0] };
 
@@ -127,7 +127,7 @@ static lf_status make_files(exporting *new, const json_t *params, lf_error *err)
     }
     return lf_error_set(err, LF_E_ARG, where,
                         "expects file and a kind of quilt, still, panel, "
-                        "rgbd, state, print or chart; views have no download");
+                        "rgbd, state, print, proof or chart; views have no download");
 }
 
 static lf_status send_call(const exporting *new, json_t *params, lf_error *err)

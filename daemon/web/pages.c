@@ -37,6 +37,7 @@ static const lf_page pages[] = {
     PAGE("/patch.js", JS, patch_js),
     PAGE("/patiently.js", JS, patiently_js),
     PAGE("/picture.js", JS, picture_js),
+    PAGE("/proof.js", JS, proof_js),
     PAGE("/remaining.js", JS, remaining_js),
     PAGE("/render.js", JS, render_js),
     PAGE("/rig.js", JS, rig_js),

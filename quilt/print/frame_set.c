@@ -20,6 +20,7 @@ lf_print lf_frame_set_print(const lf_print *print)
     frame.stripes = LF_STRIPES_NEAREST;
     frame.reverse = false;
     frame.optics = (lf_optics){0};
+    frame.sheet = (lf_print_sheet){0};
     frame.frame_ppi = 0.0;
     const double across =
         (print->horizontal ? print->height_mm : print->width_mm) + 2.0 * print->bleed_mm;
@@ -30,12 +31,17 @@ lf_print lf_frame_set_print(const lf_print *print)
 
 lf_status lf_frame_set_check(const lf_print *print, lf_error *err)
 {
-    const char *wrong = lf_print_is_micro(print) ? "micro lens sheets, with views in two axes"
-                        : print->marks           ? "marks"
-                        : print->mirror          ? "mirroring; the shop mirrors its interlaced file"
-                        : print->reverse         ? "reversing; the order is in order.txt"
-                        : print->relief          ? "a relief"
-                                                 : NULL;
+    const lf_print_sheet *sheet = &print->sheet;
+    const bool is_laid = sheet->columns * sheet->rows > 1 || sheet->paper_width_mm > 0.0;
+    const char *wrong = lf_print_is_micro(print)  ? "micro lens sheets, with views in two axes"
+                        : is_laid || sheet->label ? "copies, paper and labels"
+                        : sheet->guard > 0 || sheet->morph > 0
+                            ? "guards and morphs, which the shop makes"
+                        : print->marks   ? "marks"
+                        : print->mirror  ? "mirroring; the shop mirrors its interlaced file"
+                        : print->reverse ? "reversing; the order is in order.txt"
+                        : print->relief  ? "a relief"
+                                         : NULL;
     if (wrong)
         return lf_error_set(err, LF_E_ARG, "frame set", "does not go with %s", wrong);
     lf_status status = lf_print_check(print, NULL, err);
@@ -93,6 +99,8 @@ static lf_status write_frames(const lf_print *print, const lf_print *frame, cons
     frames f = {.print = print, .run = run};
     lf_print_run each = *run;
     lf_status status = LF_OK;
+    double ink = 0.0, most = 0.0;
+    each.out_ink = &ink;
     each.format = LF_PRINT_TIFF;
     each.progress = on_progress;
     each.context = &f;
@@ -102,7 +110,10 @@ static lf_status write_frames(const lf_print *print, const lf_print *frame, cons
         snprintf(description, sizeof description, "frame %d of %d, %s; not interlaced", f.i + 1,
                  print->n_views, place_of(print, f.i, place));
         status = lf_print_write_frame(frame, &view, &each, description, &files[f.i], err);
+        most = fmax(most, ink);
     }
+    if (run->out_ink)
+        *run->out_ink = most;
     return status;
 }
 

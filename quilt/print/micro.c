@@ -167,20 +167,26 @@ static int view_of(const lf_micro *m, int column, int row)
 /* Keeps the part with a u + b v <= limit. */
 static void cut(polygon *p, double a, double b, double limit)
 {
-    polygon out = {0};
+    double over[MAX_CORNERS];
+    bool is_cut = false;
     for (int i = 0; i < p->n; i++) {
-        const point from = p->corner[i], to = p->corner[(i + 1) % p->n];
-        const double over_from = a * from.u + b * from.v - limit,
-                     over_to = a * to.u + b * to.v - limit;
-        if (over_from <= 0.0 && out.n < MAX_CORNERS)
-            out.corner[out.n++] = from;
-        if ((over_from <= 0.0) != (over_to <= 0.0) && out.n < MAX_CORNERS) {
-            const double t = over_from / (over_from - over_to);
-            out.corner[out.n++] =
-                (point){from.u + t * (to.u - from.u), from.v + t * (to.v - from.v)};
+        over[i] = a * p->corner[i].u + b * p->corner[i].v - limit;
+        is_cut = is_cut || over[i] > 0.0;
+    }
+    if (!is_cut)
+        return;
+    const polygon whole = *p;
+    p->n = 0;
+    for (int i = 0; i < whole.n; i++) {
+        const int next = i + 1 < whole.n ? i + 1 : 0;
+        const point from = whole.corner[i], to = whole.corner[next];
+        if (over[i] <= 0.0 && p->n < MAX_CORNERS)
+            p->corner[p->n++] = from;
+        if ((over[i] <= 0.0) != (over[next] <= 0.0) && p->n < MAX_CORNERS) {
+            const double t = over[i] / (over[i] - over[next]);
+            p->corner[p->n++] = (point){from.u + t * (to.u - from.u), from.v + t * (to.v - from.v)};
         }
     }
-    *p = out;
 }
 
 static double area(const polygon *p)

@@ -41,7 +41,7 @@ double lf_print_pixels_per_lens(const lf_print *print)
 
 int lf_print_view_rows(const lf_print *print)
 {
-    if (!lf_print_is_micro(print))
+    if (!lf_print_is_micro(print) || print->n_views < 1)
         return 1;
     return print->optics.view_rows > 0 ? print->optics.view_rows
                                        : (int)lround(sqrt((double)print->n_views));
@@ -60,8 +60,8 @@ static lf_status check_views(const lf_print *print, const char **out_warning, lf
     const int rows = lf_print_view_rows(print), columns = print->n_views / rows;
     if (print->n_views < 1 || columns < 1 || columns * rows != print->n_views)
         return lf_error_set(err, LF_E_ARG, "print",
-                            "%d views do not fill %d rows; give the rows of views", print->n_views,
-                            rows);
+                            "%d views do not fill %d rows; set the number of view rows",
+                            print->n_views, rows);
     if (columns > most || rows > most)
         return lf_error_set(err, LF_E_ARG, "print",
                             "%d views are not possible: a lens of %g lpi has %.4g pixels at %.10g "
@@ -133,19 +133,24 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     return parts != LF_OK ? parts : check_views(print, out_warning, err);
 }
 
-/* A micro sheet shows all views that there are, if they are fewer than it could. */
+/* A micro sheet shows all views that there are, if a lens has a pixel for each; otherwise as many
+ * as it shows without ghosting. */
 static lf_status choose_micro_views(lf_print *print, int n_most, const char *where, lf_error *err)
 {
-    const int clean = (int)fmax(2, floor(VIEWS_A_PIXEL * lf_print_pixels_per_lens(print) + 1e-9));
-    const int asked = print->optics.view_rows;
+    const double pixels = lf_print_pixels_per_lens(print);
+    const int most = (int)fmax(1, floor(pixels + 0.5)),
+              clean = (int)fmax(2, floor(VIEWS_A_PIXEL * pixels + 1e-9));
+    const int asked = print->optics.view_rows,
+              rows = asked > 0 ? asked : (int)lround(sqrt((double)n_most)),
+              columns = asked > 0 ? n_most / asked : rows;
+    const bool are_grid = columns * rows == n_most;
     const double could = (asked > 0 ? asked : clean) * (double)clean;
-    const int rows = asked > 0 ? asked : (int)lround(sqrt((double)n_most));
-    if (could > n_most && n_most != rows * (asked > 0 ? n_most / rows : rows))
+    if (!are_grid && could > n_most)
         return lf_error_set(err, LF_E_ARG, where,
-                            "%d views do not fill rows of views; give the number of rows with "
-                            "view rows",
-                            n_most);
-    print->n_views = could > n_most ? n_most : (int)could;
+                            "%d views do not fill %d rows; set the number of view rows", n_most,
+                            rows);
+    const bool all = are_grid && ((columns <= most && rows <= most) || could > n_most);
+    print->n_views = all ? n_most : (int)could;
     return LF_OK;
 }
 
@@ -561,7 +566,8 @@ static lf_status check_given(const lf_print *print, const lf_views32 *views, con
         status = lf_error_set(err, LF_E_ARG, "print", "no views");
     if (status == LF_OK && lf_print_is_micro(print) && views->n_views != print->n_views)
         status = lf_error_set(
-            err, LF_E_ARG, "print", "a micro lens sheet shows all %d views; expected %d x %d",
+            err, LF_E_ARG, "print",
+            "a micro lens sheet shows all views: there are %d, but %d x %d are requested",
             views->n_views, print->n_views / lf_print_view_rows(print), lf_print_view_rows(print));
     return status;
 }
@@ -591,8 +597,12 @@ lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
         status = write_relief(print, run, &relief, err);
         facts.relief = &relief;
     }
+    lf_print_run measured = *run;
+    measured.out_ink = &facts.ink;
     if (status == LF_OK)
-        status = write_raster(&p, run, description, rows_per_strip, tiff, err);
+        status = write_raster(&p, &measured, description, rows_per_strip, tiff, err);
+    if (run->out_ink)
+        *run->out_ink = facts.ink;
     facts.colour = p.colour;
     if (status == LF_OK)
         status = lf_print_manifest_write(&facts, tiff, manifest, err);

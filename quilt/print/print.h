@@ -248,6 +248,7 @@ typedef struct lf_print_facts {
     const char *warning; /* may be NULL */
     json_t *chart;       /* description of a chart, ownership taken; NULL for a picture */
     const struct lf_relief *relief; /* NULL: none */
+    double ink;                     /* of CMYK: lf_print_run.out_ink */
 } lf_print_facts;
 
 /* LF_E_IO, LF_E_NOMEM. */

@@ -188,35 +188,78 @@ static json_t *sheet_part(const lf_print_facts *facts)
                      sheet->label_mm, "copies", copy_parts(facts));
 }
 
-/* Views in the order of a cell's stripes in the final file, from left to right (top to bottom). */
-static json_t *order_part(const lf_print *print)
+/* Views, or columns of views, in their order in a cell of the final file, from left to right (top
+ * to bottom for horizontal lenses). */
+static json_t *order_part(int n, bool rising)
 {
     json_t *order = json_array();
-    const bool rising = print->reverse != (print->mirror && !print->horizontal);
-    for (int m = 0; order && m < print->n_views; m++)
-        json_array_append_new(order, json_integer(rising ? m : print->n_views - 1 - m));
+    for (int m = 0; order && m < n; m++)
+        json_array_append_new(order, json_integer(rising ? m : n - 1 - m));
     return order;
+}
+
+/* A number of the sheet; null if it is unknown. */
+static json_t *known(double value)
+{
+    return value > 0.0 ? json_real(value) : json_null();
+}
+
+/* What is known of the sheet's optics. */
+static json_t *optics_part(const lf_print *print, const json_t *options)
+{
+    const lf_optics *o = &print->optics;
+    const bool has_optics = o->thickness_mm > 0.0 && o->distance_mm > 0.0;
+    const double enlarged =
+        has_optics ? 1.0 + o->thickness_mm / (lf_optics_index(o) * o->distance_mm) : 0.0;
+    return json_pack("{s:f, s:O, s:s, s:o, s:o, s:b, s:o, s:o, s:o}", "slant", o->slant, "grid",
+                     json_object_get(options, "lens_grid"), "map",
+                     lf_print_is_exact(print) ? "exact" : "uniform", "thickness_mm",
+                     known(o->thickness_mm), "index",
+                     o->thickness_mm > 0.0 ? json_real(lf_optics_index(o)) : known(o->index),
+                     "index_is_assumed", o->thickness_mm > 0.0 && !(o->index > 0.0), "distance_mm",
+                     known(o->distance_mm), "mechanical_lpi", known(print->lpi * enlarged),
+                     "mechanical_pitch_mm",
+                     has_optics ? json_real(lf_print_pitch_mm(print) / enlarged) : json_null());
 }
 
 static json_t *lens_part(const lf_print *print, const lf_print_shape *shape, const json_t *options)
 {
-    const double pitch_mm = 25.4 / print->lpi;
-    return json_pack("{s:f, s:f, s:s, s:f, s:f, s:O, s:i, s:i, s:f}", "lpi", print->lpi, "pitch_mm",
-                     pitch_mm, "pitch_kind", "visual, as measured", "pixels_per_lens",
-                     lf_print_dpi_across(print) / print->lpi, "phase_mm", print->phase_mm,
-                     "orientation", json_object_get(options, "orientation"), "n_lenses",
-                     shape->n_lenses, "first_lens", shape->first_lens, "first_lens_mm",
-                     print->phase_mm + shape->first_lens * pitch_mm);
+    json_t *lens =
+        json_pack("{s:f, s:f, s:s, s:f, s:f, s:O, s:i, s:i, s:f}", "lpi", print->lpi, "pitch_mm",
+                  lf_print_pitch_mm(print), "pitch_kind", "visual, as measured", "pixels_per_lens",
+                  lf_print_pixels_per_lens(print), "phase_mm", print->phase_mm, "orientation",
+                  json_object_get(options, "orientation"), "n_lenses", shape->n_lenses,
+                  "first_lens", shape->first_lens, "first_lens_mm", shape->first_across_mm);
+    json_t *optics = optics_part(print, options);
+    if (!lens || !optics || json_object_update(lens, optics) != 0) {
+        json_decref(lens);
+        lens = NULL;
+    }
+    json_decref(optics);
+    return lens;
 }
 
 static json_t *stripe_part(const lf_print *print, const json_t *options)
 {
-    return json_pack("{s:i, s:O, s:b, s:b, s:o, s:s, s:s}", "views", print->n_views, "kind",
-                     json_object_get(options, "stripes"), "reverse", print->reverse, "mirror",
-                     print->mirror, "order", order_part(print), "order_runs",
-                     print->horizontal ? "top to bottom within a cell of the file"
-                                       : "left to right within a cell of the file",
-                     "view_0", print->horizontal ? "topmost camera" : "leftmost camera");
+    const int rows = lf_print_view_rows(print), columns = print->n_views / rows;
+    const bool rising = print->reverse != (print->mirror && !print->horizontal);
+    json_t *part =
+        json_pack("{s:i, s:O, s:b, s:b, s:o, s:s, s:s}", "views", print->n_views, "kind",
+                  json_object_get(options, "stripes"), "reverse", print->reverse, "mirror",
+                  print->mirror, "order", order_part(columns, rising), "order_runs",
+                  print->horizontal ? "top to bottom within a cell of the file"
+                                    : "left to right within a cell of the file",
+                  "view_0",
+                  lf_print_is_micro(print) ? "lowest row, leftmost camera"
+                  : print->horizontal      ? "topmost camera"
+                                           : "leftmost camera");
+    if (part && lf_print_is_micro(print)) {
+        json_object_set_new(part, "rows", json_integer(rows));
+        json_object_set_new(part, "row_order", order_part(rows, !print->reverse));
+        json_object_set_new(part, "row_order_runs",
+                            json_string("top to bottom within a cell of the file"));
+    }
+    return part;
 }
 
 /* Placement of a picture of another shape: its size, and its middle relative to the print's. */
@@ -228,6 +271,14 @@ static json_t *photo_part(const lf_print_source *source)
     return json_pack("{s:[f,f], s:[f,f], s:[f,f], s:f}", "size_mm", place->width, place->height,
                      "middle_mm", place->right, place->down, "border_mm", place->beside,
                      place->above, "cut", place->cut);
+}
+
+static const char *sampling_of(const lf_print *print)
+{
+    if (lf_print_is_micro(print))
+        return "one sample per lens";
+    return print->optics.slant == 0.0 ? "one sample per lens, the printer's rows"
+                                      : "at the axis of each lens, the printer's rows";
 }
 
 /* Which image each stripe shows; a blend of images 2 and 3 is 2.5; null is a guard of one light. */
@@ -252,7 +303,7 @@ static json_t *source_part(const lf_print_facts *facts)
         "{s:i, s:[i,i], s:b, s:s, s:i, s:o, s:o?, s:f, s:s, s:o}", "views", views->n_views,
         "view_px", views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
-                                 : "one sample per lens, the printer's rows",
+                                 : sampling_of(facts->print),
         "frames", lf_flip_frames(facts->print, views->n_views), "shown", shown_part(facts), "photo",
         photo_part(facts->source), "exposure", facts->run->exposure, "tonemap",
         facts->run->tonemap ? facts->run->tonemap : "srgb", "parallax_lenses",
@@ -266,12 +317,13 @@ static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
     const void *profile = lf_print_colour_profile(facts->colour, &size);
     char hash[HEX_SIZE];
     hash_bytes(profile, size, hash);
-    return json_pack("{s:s, s:O, s:O, s:{s:s, s:s, s:I}}", "space",
-                     lf_print_colour_channels(facts->colour) == 4 ? "CMYK" : "RGB", "bits",
-                     json_object_get(options, "bits"), "compression",
+    const bool is_cmyk = lf_print_colour_channels(facts->colour) == 4;
+    return json_pack("{s:s, s:O, s:O, s:{s:s, s:s, s:I}, s:o*}", "space", is_cmyk ? "CMYK" : "RGB",
+                     "bits", json_object_get(options, "bits"), "compression",
                      json_object_get(options, "compress"), "profile", "name",
-                     lf_print_colour_name(facts->colour), "sha256", hash, "bytes",
-                     (json_int_t)size);
+                     lf_print_colour_name(facts->colour), "sha256", hash, "bytes", (json_int_t)size,
+                     "most_ink_percent",
+                     is_cmyk && facts->ink > 0.0 ? json_real(facts->ink) : NULL);
 }
 
 /* A line that may contain a file name, which may be any bytes. */

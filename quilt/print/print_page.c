@@ -14,6 +14,7 @@ typedef struct hand {
     void *context; /* of page->draw */
     float *row;
     int y;
+    unsigned ink; /* the largest sum of a pixel's inks so far, in codes */
     lf_status status;
 } hand;
 
@@ -65,6 +66,20 @@ static void mirror_row(float *row, int width)
     }
 }
 
+/* The largest sum of four inks in n pixels. */
+static unsigned most_ink(int bits, size_t n, const unsigned char *pixels)
+{
+    const uint16_t *wide = (const void *)pixels;
+    unsigned most = 0;
+    for (size_t i = 0; i < 4 * n; i += 4) {
+        unsigned sum = 0;
+        for (size_t c = i; c < i + 4; c++)
+            sum += bits == 8 ? pixels[c] : wide[c];
+        most = sum > most ? sum : most;
+    }
+    return most;
+}
+
 /* Makes one strip: rows of linear light, then device values. */
 static void make_strip(void *context, int item, int worker)
 {
@@ -73,7 +88,7 @@ static void make_strip(void *context, int item, int worker)
     (void)worker;
     for (int r = 0; r < h->strip.n_rows; r++) {
         w->page->draw(h->context, h->y + r, h->row);
-        if (w->page->print->mirror)
+        if (w->page->print->mirror && w->colour)
             mirror_row(h->row, w->page->width);
         unsigned char *out = h->strip.data + (size_t)r * w->row_bytes;
         if (w->colour)
@@ -84,6 +99,11 @@ static void make_strip(void *context, int item, int worker)
     if (w->witness)
         lf_print_witness_see(w->witness, h->y, h->strip.n_rows, h->strip.data);
     h->strip.size = (size_t)h->strip.n_rows * w->row_bytes;
+    if (channels_of(w->colour) == 4) {
+        const unsigned ink = most_ink(
+            w->page->print->bits, (size_t)h->strip.n_rows * (size_t)w->page->width, h->strip.data);
+        h->ink = ink > h->ink ? ink : h->ink;
+    }
     h->status = w->sink->pack ? w->sink->pack(w->state, &h->strip) : LF_OK;
 }
 
@@ -123,6 +143,15 @@ static lf_status write_strips(writing *w, const lf_print_run *run, lf_error *err
             run->progress(run->context, (double)y / height);
     }
     return status;
+}
+
+/* The densest pixel, in percent; 0 without inks. */
+static double ink_of(const writing *w)
+{
+    unsigned most = 0;
+    for (int i = 0; i < w->n_hands; i++)
+        most = w->hands[i].ink > most ? w->hands[i].ink : most;
+    return most * 100.0 / (w->page->print->bits == 8 ? 255.0 : 65535.0);
 }
 
 static lf_status make_hands(writing *w)
@@ -173,6 +202,8 @@ lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *
         lf_error_set(err, status, "print", "out of memory");
     if (status == LF_OK)
         status = write_strips(&w, run, err);
+    if (run->out_ink && colour)
+        *run->out_ink = ink_of(&w);
     finish_hands(&w);
     if (status == LF_OK)
         return w.sink->close(w.state, err);

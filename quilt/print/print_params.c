@@ -27,13 +27,12 @@ static const char *const bits[] = {"8", "16", NULL};
 /* clang-format off */
 const lf_param lf_print_params[] = {
     {.name = "lpi", .option = "print", .joined = "@", LPI, .required = true,
-     .help = "write a lenticular print to OUT.tif; LPI is the visual pitch, e.g. 60.13@600 or "
-             "60.13@720x1440",
+     .help = "write a lenticular print to OUT.tif or OUT.pdf; LPI: visual pitch, e.g. 60.13@600",
      .about = "print: measured visual pitch of the lens sheet; chart: pitch in its middle"},
     {.name = "dpi", .option = "print", DPI, .initial = 600,
      .about = "resolution of the printer; \"XxY\": across and down the page"},
     {.option = "chart", .joined = "+-", LPI,
-     .help = "write a pitch test chart to OUT.tif instead of an image"},
+     .help = "write a pitch test chart to OUT.tif or OUT.pdf instead of an image"},
     {.name = "range", .option = "chart", .joined = "/", .argument = "RANGE", PLACE(chart_range),
      .unit = "lpi", .low = 1e-4, .high = 100,
      .about = "chart: how far its pitches go below and above the middle"},

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "quilt/print/sheet.h"
+
 /* ----------------------------------------------------------------------------------- numbers -- */
 
 /* Thickness behind which a lens shows this angle: its edge rays meet the print at the edges of the
@@ -131,22 +133,26 @@ double lf_relief_height(const lf_relief *relief, double x, double y)
 typedef struct drawing {
     const lf_relief *relief;
     lf_print_shape shape;
-    int width, height;
+    lf_sheet sheet;
 } drawing;
 
+/* One lens sheet lies over all copies; between them it is flat. */
 static void draw_row(void *context, int y, float *row)
 {
     const drawing *d = context;
     const lf_print *print = d->relief->print;
-    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
-    const int left = d->shape.margin_px, top = d->shape.margin_down_px;
-    memset(row, 0, (size_t)d->width * sizeof *row);
-    if (y < top || y >= d->height - top)
-        return;
-    for (int x = left; x < d->width - left; x++)
-        row[x] = (float)(lf_relief_height(d->relief, (x + 0.5 - 0.5 * d->width) * right_mm,
-                                          (y + 0.5 - 0.5 * d->height) * down_mm) /
-                         d->relief->sag_mm);
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print),
+                 down = (y + 0.5 - 0.5 * d->sheet.height) * down_mm;
+    memset(row, 0, (size_t)d->sheet.width * sizeof *row);
+    for (int i = 0; i < d->sheet.n_rows * d->sheet.n_columns; i++) {
+        const lf_copy *copy = &d->sheet.copies[i];
+        if (y < copy->top || y >= copy->top + d->shape.raster_height)
+            continue;
+        for (int x = copy->left; x < copy->left + d->shape.raster_width; x++)
+            row[x] = (float)(lf_relief_height(d->relief,
+                                              (x + 0.5 - 0.5 * d->sheet.width) * right_mm, down) /
+                             d->relief->sag_mm);
+    }
 }
 
 lf_status lf_relief_write(const lf_relief *relief, const lf_print_run *run, lf_outfile *file,
@@ -154,26 +160,27 @@ lf_status lf_relief_write(const lf_relief *relief, const lf_print_run *run, lf_o
 {
     drawing d = {.relief = relief};
     void *hands[LF_PRINT_MAX_HANDS];
-    lf_print print = *relief->print;
     lf_print_run as_tiff = *run;
     char description[160];
-    print.mirror = false;
     as_tiff.format = LF_PRINT_TIFF;
     as_tiff.progress = NULL; /* the print is reported */
-    lf_print_shape_of(&print, &d.shape);
-    d.width = d.shape.raster_width + 2 * d.shape.margin_px;
-    d.height = d.shape.raster_height + 2 * d.shape.margin_down_px;
+    lf_print_shape_of(relief->print, &d.shape);
+    lf_status status = lf_sheet_init(&d.sheet, relief->print, &d.shape, err);
+    if (status != LF_OK)
+        return status;
     for (int i = 0; i < LF_PRINT_MAX_HANDS; i++)
         hands[i] = &d;
     snprintf(description, sizeof description,
              "lens relief: black 0 mm, white %.6g mm; radius %.6g mm, pitch %.8g mm",
              relief->sag_mm, relief->radius_mm, relief->pitch_mm);
-    const lf_print_page page = {.print = &print,
-                                .width = d.width,
-                                .height = d.height,
+    const lf_print_page page = {.print = relief->print,
+                                .width = d.sheet.width,
+                                .height = d.sheet.height,
                                 .description = description,
                                 .draw = draw_row,
                                 .hands = hands,
                                 .n_hands = lf_print_hands(run)};
-    return lf_print_page_write(&page, NULL, &as_tiff, 0, file, err);
+    status = lf_print_page_write(&page, NULL, &as_tiff, 0, file, err);
+    lf_sheet_finish(&d.sheet);
+    return status;
 }

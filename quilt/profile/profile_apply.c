@@ -154,6 +154,7 @@ static void take_measured(const filling *f, const lf_lens_calibration *c)
     if (!is_given(f->given, "reverse"))
         f->print->reverse = c->reverse;
     f->print->blur.n_crosstalk = c->n_crosstalk;
+    f->print->blur.crosstalk_views = c->crosstalk_views;
     memcpy(f->print->blur.crosstalk, c->crosstalk, sizeof c->crosstalk);
 }
 

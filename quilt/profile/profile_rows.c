@@ -64,6 +64,8 @@ const lf_param lf_calibration_rows[] = {
      .help = "error of the pitch"},
     {.name = "order", .place = offsetof(lf_profile_words, calibration.reverse),
      .type = LF_PARAM_SWITCH, .words = orders, .help = "order of the views under a lens"},
+    {.name = "crosstalk_views", NUMBER(calibration.crosstalk_views, 2, 64),
+     .type = LF_PARAM_WHOLE, .help = "views under a lens that crosstalk is of; charts have 8"},
     {.name = "date", TEXT(date), .help = "day of the measurement, as 2026-11-29"},
     {.name = "chart_sha256", TEXT(chart_sha256), .help = "SHA-256 of the chart's file"},
     {0},

@@ -83,7 +83,7 @@ static inline void qr_nap(double seconds)
 
 typedef struct qr_outcome {
     int code; /* exit code, or 1000 + the signal's number */
-    char out[16384], err[8192];
+    char out[32768], err[8192];
 } qr_outcome;
 
 /* Starts quiltrender with its words in `line` (parted by single blanks); stderr goes to err_fd,

@@ -1,6 +1,9 @@
 /* Prints of the shown image: warnings about their depth. */
 #include "tests/daemon/live_panel.h"
 
+#include "base/image_io.h"
+#include "daemon/output/output.h"
+
 /* The warnings of the answer to an export, which is then written. */
 static json_t *export_warnings(live_client *c, json_t *params)
 {
@@ -158,11 +161,42 @@ static void prints_take_profiles_by_name(void **state)
     lf_test_folder_remove(config);
 }
 
+static void a_proof_is_a_column_of_what_eyes_see(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    lf_image8 column;
+    lf_error err;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    json_t *params = print_params("proof.png", 60, 30, 40, "vertical");
+    json_object_set_new(params, "kind", json_string("proof"));
+    assert_string_equal(export_end(&c, params), "done");
+    lf_assert_ok(lf_image8_read(lf_test_path(l.exports, "proof.png"), NULL, &column, &err), &err);
+    assert_int_equal(column.width, 71); /* lenses on 30 mm */
+    assert_int_equal(column.height, LF_OUTPUT_PROOF_EYES * 95);
+    /* eyes see different images */
+    assert_memory_not_equal(column.data + 47 * column.stride,
+                            column.data + (12 * 95 + 47) * column.stride, 3 * 71);
+    lf_image8_finish(&column);
+    params = print_params("large.png", 60, 1000, 1000, "vertical");
+    json_object_set_new(params, "kind", json_string("proof"));
+    json_object_set_new(params, "dpi", json_integer(600));
+    assert_string_equal(export_end(&c, params), "failed");
+    assert_int_not_equal(access(lf_test_path(l.exports, "large.png"), F_OK), 0);
+    live_close(&c);
+    live_finish(&l);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_print_that_is_too_deep_is_told),
         cmocka_unit_test(prints_take_profiles_by_name),
+        cmocka_unit_test(a_proof_is_a_column_of_what_eyes_see),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -340,6 +340,55 @@ static void horizontal_lenses_roll_the_rig(void **state)
                     0);
 }
 
+/* Slanted lenses: the window is that of the samples, which reach beyond the picture. */
+static void slanted_lenses_have_a_wider_window(void **state)
+{
+    (void)state;
+    lf_print print = small_print();
+    lf_print_shape shape;
+    lf_render_settings settings = {
+        .camera = {.position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = 0.3, .cone = 0.5}};
+    print.optics.slant = 20;
+    print.phase_mm = 0.05;
+    lf_print_shape_of(&print, &shape);
+    lf_output_print_view(&print, &settings);
+    lf_output_print_rig(&print, &settings.camera);
+    assert_int_equal(settings.camera.n_rows, 0);
+    assert_true(settings.camera.track == 0);
+    assert_int_equal(settings.width, shape.n_lenses);
+    lf_assert_close(settings.window[0],
+                    0.5 + (shape.first_across_mm - 0.5 * shape.step_across_mm) / 12, 1e-12, 0);
+    lf_assert_close((settings.window[2] - settings.window[0]) * 12,
+                    settings.width * 25.4 / 60 / cos(20 * M_PI / 180), 1e-9, 0);
+}
+
+/* Micro lenses: a grid of cameras as wide as the cone, and as high as a lens is. */
+static void micro_lenses_have_a_grid_of_cameras(void **state)
+{
+    (void)state;
+    lf_print print = small_print();
+    const lf_camera camera = {.position = {0, 0, 5}, .up = {0, 1, 0}, .fov_y = 0.3, .cone = 0.5};
+    print.optics.grid = LF_LENS_SQUARE;
+    print.n_views = 24;
+    print.optics.view_rows = 4;
+    lf_render_settings settings = {.camera = camera};
+    lf_output_print_view(&print, &settings);
+    lf_output_print_rig(&print, &settings.camera);
+    assert_int_equal(settings.camera.n_views, 6);
+    assert_int_equal(settings.camera.n_rows, 4);
+    lf_assert_close(settings.camera.track, 10 * tan(0.25) * 5 / 6, 1e-12, 0);
+    lf_assert_close(settings.camera.rows_height, 10 * tan(0.25) * 3 / 4, 1e-12, 0);
+    assert_false(settings.camera.own_windows);
+    /* the middle of a sample is the middle of a lens, down too */
+    const double lens = 25.4 / 60 / 9, top = settings.window[1] + 0.5 * lens;
+    lf_assert_close((top - 0.5) / lens, round((top - 0.5) / lens), 0, 1e-9);
+    print.optics.grid = LF_LENS_HEXAGONAL;
+    settings.camera = camera;
+    lf_output_print_view(&print, &settings);
+    lf_output_print_rig(&print, &settings.camera);
+    lf_assert_close(settings.camera.rows_height, 10 * tan(0.25) * 3 / 4 * 2 / sqrt(3), 1e-12, 0);
+}
+
 static void names_are_completed_and_contradictions_refused(void **state)
 {
     static const struct {
@@ -367,6 +416,10 @@ static void names_are_completed_and_contradictions_refused(void **state)
         {&lf_output_panel, "woven.exr", NULL},
         {&lf_output_print, "p.tif", "p.tif"},
         {&lf_output_print, "p.TIFF", "p.TIFF"},
+        {&lf_output_print, "p.pdf", "p.pdf"},
+        {&lf_output_chart, "p.pdf", "p.pdf"},
+        {&lf_output_frame_set, "p/", "p/"},
+        {&lf_output_frame_set, "p.tif", NULL},
         {&lf_output_print, "p.png", NULL},
     };
     const fixture *f = *state;
@@ -384,6 +437,14 @@ static void names_are_completed_and_contradictions_refused(void **state)
     char *manifest = lf_output_file_name(&lf_output_print, "a.b/print.tiff", 1);
     assert_string_equal(manifest, "a.b/print.json");
     lf_free(manifest);
+    char *relief = lf_output_file_name(&lf_output_print, "a.b/print.tiff", 2);
+    assert_string_equal(relief, "a.b/print_relief.tif");
+    lf_free(relief);
+    lf_print print = small_print();
+    assert_int_equal(lf_output_n_files(&lf_output_print, &print, 9), 2);
+    print.relief = true;
+    assert_int_equal(lf_output_n_files(&lf_output_print, &print, 9), 3);
+    assert_int_equal(lf_output_n_files(&lf_output_print, NULL, 9), 2);
     const lf_layout huge = {60, 60, 3600, 2000, 2000, 1};
     char *path = NULL;
     assert_int_equal(lf_output_path(&lf_output_quilt, "out.png", &huge, &path, NULL), LF_E_ARG);
@@ -616,6 +677,8 @@ int main(void)
         cmocka_unit_test(a_print_lies_beside_its_manifest),
         cmocka_unit_test(a_print_renders_what_its_window_says),
         cmocka_unit_test(horizontal_lenses_roll_the_rig),
+        cmocka_unit_test(slanted_lenses_have_a_wider_window),
+        cmocka_unit_test(micro_lenses_have_a_grid_of_cameras),
         cmocka_unit_test(names_are_completed_and_contradictions_refused),
         cmocka_unit_test(cancelled_and_refused_jobs_publish_nothing),
         cmocka_unit_test(descriptors_are_written_and_closed),

@@ -141,7 +141,8 @@ static void mistakes_are_told_in_one_line(void **state)
         const char *line, *words;
     } of[] = {
         {"", "COMMAND: is missing"},
-        {"nothing", "unknown command"},
+        {"nothing", "unknown command; see --help"},
+        {"calibrat", "unknown command; did you mean calibrate?"},
         {"list sheets", "expects lenses, printers or nothing"},
         {"show", "expected [lens|printer] NAME"},
         {"show sheet acme", "expected [lens|printer] NAME"},
@@ -343,6 +344,24 @@ static void a_print_takes_what_is_not_given_from_profiles(void **state)
     json_decref(manifest);
 }
 
+/* Which kinds of prints need no --print. */
+static void every_kind_of_print_takes_profiles(void **state)
+{
+    static const char *const outs[] = {"out.tif", "out.tiff", "out.pdf", "frames/ --frame-set 72"};
+    const char *f = *state;
+    char line[2048];
+    says(f, "set lens acme pitch_lpi=60.2", 0, "wrote");
+    for (size_t i = 0; i < sizeof outs / sizeof *outs; i++) {
+        snprintf(line, sizeof line,
+                 "%s --lens acme --printer epson-720 --distance 400 --print-size 12x10 --passes 1 "
+                 "-o %s/%s",
+                 lf_test_built("../scenes/spheres.json"), f, outs[i]);
+        if (run(f, "quiltrender", line) != 0)
+            fail_msg("%s: %s", outs[i], got.text);
+        assert_non_null(strstr(got.text, "lens acme: "));
+    }
+}
+
 static void what_cannot_be_printed_with_profiles_is_told(void **state)
 {
     const char *f = *state;
@@ -375,6 +394,7 @@ int main(void)
         in_folder(folders_of_others_are_not_written_to),
         in_folder(a_bad_profile_is_told_and_the_rest_listed),
         in_folder(a_print_takes_what_is_not_given_from_profiles),
+        in_folder(every_kind_of_print_takes_profiles),
         in_folder(what_cannot_be_printed_with_profiles_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

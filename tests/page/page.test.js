@@ -287,6 +287,24 @@ describe("the other tabs", () => {
     assert.match((await download).suggestedFilename(), new RegExp(`^pyramid_qs${columns}x${rows}a0\\.75\\.png$`));
   });
 
+  step("show a print through its sheet, with a slider for the eye", async () => {
+    await at("#export-kind").selectOption("proof");
+    for (const [key, value] of [["lpi", "60"], ["width", "20"], ["height", "30"]])
+      await at(`#export-${key}`).fill(value);
+    await at("#export-start").click();
+    const seen = at("#jobs .proof .seen").first();
+    await until(async () => (await seen.count()) && /proof/.test(await seen.getAttribute("style") ?? ""));
+    const box = await seen.boundingBox();
+    assert.ok(Math.abs(box.width / box.height - 20 / 30) < 0.05);
+    const words = () => at("#jobs .proof output").first().textContent();
+    const place = () => seen.evaluate((element) => element.style.backgroundPosition);
+    assert.equal(await words(), "in the middle");
+    const middle = await place();
+    await at("#jobs .proof input").first().fill("24");
+    assert.equal(await words(), "beyond the jump");
+    assert.notEqual(await place(), middle);
+  });
+
   step("keep the fields of an export after a reload, and cover none by its help", async () => {
     await at("#export-kind").selectOption("print");
     await at("#export-lpi").fill("60.5");

@@ -150,13 +150,18 @@ static void what_frames_cannot_have_is_refused(void **state)
 {
     (void)state;
     lf_error err;
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 9; i++) {
         lf_print print = frames_of(false);
         print.marks = i == 0;
         print.mirror = i == 1;
         print.reverse = i == 2;
         print.optics.grid = i == 3 ? LF_LENS_SQUARE : LF_LENS_LINEAR;
         print.frame_ppi = i == 4 ? 601 : 300;
+        print.sheet.columns = i == 5 ? 2 : 0;
+        print.sheet.rows = i == 5 ? 1 : 0;
+        print.sheet.label = i == 6 ? "job 7" : NULL;
+        print.sheet.guard = i == 7 ? 1 : 0;
+        print.sheet.morph = i == 8 ? 1 : 0;
         assert_int_equal(lf_frame_set_check(&print, &err), LF_E_ARG);
         assert_true(i == 4 || strstr(err.what, "does not go with "));
     }

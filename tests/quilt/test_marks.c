@@ -203,6 +203,38 @@ static void horizontal_lenses_have_the_same_marks_turned(void **state)
     lf_printed_finish(&turned);
 }
 
+/* Slanted lenses: the lines of the strips continue the lenses, and so does the tick. */
+static void marks_lean_with_the_lenses(void **state)
+{
+    (void)state;
+    static const struct {
+        double slant;
+        bool horizontal;
+    } cases[] = {{12, false}, {-20, false}, {7, true}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_print print = sound_print();
+        const double a = cases[i].slant * acos(-1.0) / 180, pitch = 25.4 / print.lpi / cos(a),
+                     lean = (cases[i].horizontal ? 1 : -1) * tan(a);
+        print.optics.slant = cases[i].slant;
+        print.horizontal = cases[i].horizontal;
+        lf_printed p = printed_white(&print);
+        const double end = cases[i].horizontal ? 32 : 17;
+        for (int s = -1; s <= 1; s += 2) {
+            for (double out = 1.1; out < 5.0; out += 0.9)
+                for (int k = -15; k <= 15; k += 5) {
+                    const double along = (end + out) * s, axis = 0.11 / cos(a) + along * lean;
+                    const double at = axis + (k - round(axis / pitch)) * pitch;
+                    double width;
+                    lf_assert_close(middle_of_ink(&p, cases[i].horizontal, at - 0.5 * pitch,
+                                                  at + 0.5 * pitch, along, &width),
+                                    at, 0.0, 0.02);
+                    lf_assert_close(width, 0.25 * pitch, 0.0, 0.02);
+                }
+        }
+        lf_printed_finish(&p);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -212,6 +244,7 @@ int main(void)
         cmocka_unit_test(
             strips_look_dark_throughout_when_the_sheet_lies_right_and_bright_half_a_lens_off),
         cmocka_unit_test(horizontal_lenses_have_the_same_marks_turned),
+        cmocka_unit_test(marks_lean_with_the_lenses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

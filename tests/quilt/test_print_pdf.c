@@ -78,7 +78,7 @@ static int less_light(const cmsUInt16Number in[], cmsUInt16Number out[], void *c
     (void)cargo;
     for (int c = 0; c < 3; c++)
         out[c] = (cmsUInt16Number)(65535 - in[c]);
-    out[3] = 0;
+    out[3] = (cmsUInt16Number)(out[0] / 3);
     return 1;
 }
 
@@ -141,6 +141,47 @@ static void a_pdf_has_the_pixels_of_the_tiff_in_their_exact_place(void **state)
         assert_true(lf_pdf_read_has(&pdf, "/OutputIntents"));
         assert_false(lf_pdf_read_has(&pdf, "DCTDecode"));
         lf_pdf_read_finish(&pdf);
+        lf_printed_finish(&tiff);
+        lf_card_finish(&card);
+    }
+}
+
+/* The densest pixel of a CMYK raster, in percent. */
+static double most_ink(const lf_printed *tiff)
+{
+    const size_t n = (size_t)tiff->width * (size_t)tiff->height;
+    long most = 0;
+    for (size_t i = 0; i < n; i++) {
+        const uint16_t *ink = tiff->value + 4 * i;
+        const long sum = (long)ink[0] + ink[1] + ink[2] + ink[3];
+        most = sum > most ? sum : most;
+    }
+    return 100.0 * (double)most / (tiff->bits == 8 ? 255 : 65535);
+}
+
+/* The profile of a press from libgs9-common, if it is there, has black ink. */
+static void a_cmyk_print_tells_its_ink(void **state)
+{
+    static const char press[] = "/usr/share/color/icc/ghostscript/default_cmyk.icc";
+    char icc[PATH_MAX];
+    snprintf(icc, sizeof icc, "%s", make_cmyk(*state));
+    for (int i = 0; i < 4; i++) {
+        lf_print print = lf_print_odd();
+        lf_views32 card;
+        lf_printed tiff;
+        print.bits = i % 2 ? 8 : 16;
+        print.icc_path = i < 2 ? icc : press;
+        if (access(print.icc_path, R_OK) != 0) {
+            print_message("%s is not installed\n", press);
+            continue;
+        }
+        lf_card_make(&print, lf_card_speckle, NULL, &card);
+        lf_printed_make(&print, &card, 0, &tiff);
+        const double told = json_number_value(
+            json_object_get(json_object_get(tiff.manifest, "colour"), "most_ink_percent"));
+        assert_int_equal(tiff.channels, 4);
+        lf_assert_close(told, most_ink(&tiff), 0, 1e-9);
+        assert_true(told > 50 && told < 400);
         lf_printed_finish(&tiff);
         lf_card_finish(&card);
     }
@@ -313,6 +354,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         lf_test_in_folder(a_pdf_has_the_pixels_of_the_tiff_in_their_exact_place),
+        lf_test_in_folder(a_cmyk_print_tells_its_ink),
         lf_test_in_folder(programs_of_others_read_it),
         lf_test_in_folder(the_bytes_are_those_of_one_thread),
         lf_test_in_folder(a_disk_without_room_is_told_before_the_first_row),

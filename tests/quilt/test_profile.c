@@ -61,6 +61,7 @@ static void a_whole_lens_is_read(void **state)
     assert_string_equal(c->date, "2026-11-29");
     assert_int_equal(strlen(c->chart_sha256), 64);
     assert_int_equal(c->n_crosstalk, 1);
+    assert_int_equal(c->crosstalk_views, 8); /* as in charts */
     assert_true(c->crosstalk[0] == 0.1 && c->crosstalk[1] == 0.8 && c->crosstalk[2] == 0.1);
     assert_int_equal(strlen(lens.file.sha256), 64);
 }
@@ -128,6 +129,7 @@ static void bad_calibrations_are_refused(void **state)
     refused(f, IN(", \"date\": \"2026-11-29T\""), "/calibrations/0/date", "2026-11-29");
     refused(f, IN(", \"chart_sha256\": \"abc\""), "/calibrations/0/chart_sha256", "64");
     refused(f, IN(", \"crosstalk\": [0.5, 0.5]"), "/calibrations/0/crosstalk", "odd");
+    refused(f, IN(", \"crosstalk_views\": 1"), "/calibrations/0/crosstalk_views", "from 2");
     refused(f, IN(", \"crosstalk\": []"), "/calibrations/0/crosstalk", "odd");
     refused(f, IN(", \"crosstalk\": [0.2, 0.5, 0.2]"), "/calibrations/0/crosstalk", "sum");
     refused(f, IN(", \"crosstalk\": [\"1\"]"), "/calibrations/0/crosstalk", "numbers");

@@ -102,6 +102,7 @@ static void a_calibration_gives_the_pitch(void **state)
     lens.calibrations[1].reverse = true;
     lens.calibrations[1].n_crosstalk = 1;
     lens.calibrations[1].crosstalk[1] = 1;
+    lens.calibrations[1].crosstalk_views = 8;
     lens.n_calibrations = 2;
     lf_assert_ok(apply(NULL, NULL, &print, &err), &err);
     assert_true(print.lpi == 60.13 && print.dpi == 720 && print.optics.distance_mm == 400);
@@ -110,7 +111,7 @@ static void a_calibration_gives_the_pitch(void **state)
     assert_true(print.optics.angle == 54 && print.optics.radius_mm == 0.2);
     assert_true(print.blur.spot_mm == 0.03 && print.blur.dot_gain == 0.1);
     assert_true(print.blur.ink_mm == 0.02 && print.blur.n_crosstalk == 1);
-    assert_true(print.blur.crosstalk[1] == 1);
+    assert_true(print.blur.crosstalk[1] == 1 && print.blur.crosstalk_views == 8);
     assert_int_equal(told.warnings.length, 0);
     assert_non_null(strstr(told.lines.text, "lens acme: 60.1300 lpi at 400 mm, measured with ink"));
     assert_non_null(strstr(told.lines.text, "printer ink: 720 dpi"));
@@ -121,6 +122,38 @@ static void a_calibration_gives_the_pitch(void **state)
     assert_true(print.optics.distance_mm == 1000);
     assert_non_null(strstr(told.lines.text, "computed for 1000 mm"));
     assert_int_equal(told.warnings.length, 0);
+}
+
+static void crosstalk_is_that_of_the_views_of_the_print(void **state)
+{
+    /* by hand: shares of eighths of a lens, as areas of even light */
+    static const struct {
+        int n_views, n;
+        double crosstalk[7];
+    } of[] = {{8, 1, {0.1, 0.8, 0.1}},
+              {4, 1, {0.05, 0.9, 0.05}}, /* half of a neighbour is in the own view */
+              {16, 3, {0.025, 0.05, 0.225, 0.4, 0.225, 0.05, 0.025}},
+              {2, 0, {1}}};
+    (void)state;
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        lf_print_blur blur = {.n_crosstalk = 1, .crosstalk = {0.1, 0.8, 0.1}, .crosstalk_views = 8};
+        lf_print_fit_crosstalk(&blur, of[i].n_views);
+        assert_int_equal(blur.n_crosstalk, of[i].n);
+        for (int k = 0; k <= 2 * blur.n_crosstalk; k++)
+            lf_assert_close(blur.crosstalk[k], of[i].crosstalk[k], 1e-12, 1e-15);
+    }
+    /* more than there is room for is cut, and the rest sums to 1 */
+    lf_print_blur wide = {.n_crosstalk = 8, .crosstalk_views = 8};
+    for (int k = 0; k < 17; k++)
+        wide.crosstalk[k] = 1.0 / 17;
+    lf_print_fit_crosstalk(&wide, 40);
+    assert_int_equal(wide.n_crosstalk, LF_PRINT_CROSSTALK);
+    for (int k = 0; k < 17; k++)
+        lf_assert_close(wide.crosstalk[k], 1.0 / 17, 1e-12, 0);
+    /* already in the print's views */
+    lf_print_blur own = {.n_crosstalk = 1, .crosstalk = {0.1, 0.8, 0.1}};
+    lf_print_fit_crosstalk(&own, 5);
+    assert_true(own.crosstalk[1] == 0.8);
 }
 
 static void an_option_wins_over_profiles(void **state)
@@ -383,6 +416,7 @@ int main(void)
         cmocka_unit_test(the_pitch_at_a_distance_is_that_of_the_closed_form),
         cmocka_unit_test(thickness_and_angle_belong_together),
         cmocka_unit_test(a_calibration_gives_the_pitch),
+        cmocka_unit_test(crosstalk_is_that_of_the_views_of_the_print),
         cmocka_unit_test(an_option_wins_over_profiles),
         cmocka_unit_test(the_thickness_that_was_given_counts_for_the_pitch),
         cmocka_unit_test(what_is_unknown_is_told),

@@ -219,6 +219,37 @@ static void the_margin_of_marks_is_flat(void **state)
     finish_map(&map);
 }
 
+/* Two copies side by side: the lenses of one sheet, counted from the middle of the page. */
+static void one_sheet_lies_over_all_copies(void **state)
+{
+    lf_print print = sheet();
+    height_map map;
+    print.sheet.columns = 2;
+    print.sheet.rows = 1;
+    print.sheet.gutter_mm = 3;
+    print.optics.thickness_mm = 0.6;
+    print.optics.distance_mm = 300;
+    make_map(&print, *state, &map);
+    const double pitch = 25.4 / 60 / (1 + 0.6 / (1.56 * 300)), sag = circle(0.25, pitch / 2, 0);
+    int n_lenses = 0, n_flat = 0;
+    assert_true(map.width > lround(43 * 1200 / 25.4));
+    for (int x = 0; x < map.width; x++) {
+        const double u = (x + 0.5 - 0.5 * map.width) * 25.4 / 1200,
+                     from_axis = u - pitch * round(u / pitch);
+        const uint16_t code = map.code[11 * (size_t)map.width + (size_t)x];
+        const bool is_lens =
+            fabs(code / 65535.0 * sag - circle(0.25, pitch / 2, from_axis)) < sag / 65535;
+        assert_true(is_lens || code == 0);
+        n_lenses += is_lens;
+        n_flat += !is_lens;
+        if (fabs(u) < 1.4)
+            assert_int_equal(code, 0);
+    }
+    assert_true(n_lenses >= 2 * lround(20 * 1200 / 25.4));
+    assert_true(n_flat > 100);
+    finish_map(&map);
+}
+
 /* ------------------------------------------------------------------------------------ checks -- */
 
 static void the_radius_follows_from_what_is_known(void **state)
@@ -289,6 +320,7 @@ int main(void)
         cmocka_unit_test(micro_lenses_are_parts_of_spheres),
         lf_test_in_folder(the_file_has_pitch_phase_and_volume_of_the_sheet),
         lf_test_in_folder(the_margin_of_marks_is_flat),
+        lf_test_in_folder(one_sheet_lies_over_all_copies),
         cmocka_unit_test(the_radius_follows_from_what_is_known),
         cmocka_unit_test(lenses_that_cannot_be_are_refused),
         cmocka_unit_test(a_focus_off_the_print_is_told),

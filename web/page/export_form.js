@@ -2,6 +2,7 @@
 
 import { button, explain, fill, heading, labelled, make, select } from "./dom.js";
 import { EXPORTS, kindsOf, LABELS, nameFor, parametersOf, valueOf } from "./exports.js";
+import { proofView } from "./proof.js";
 import { recall, remember } from "./store.js";
 import { bytesText } from "./words.js";
 
@@ -225,6 +226,7 @@ export class ExportForm {
       ),
     );
     element.append(...links);
+    if (/_proof\.png$/.test(files[0]?.name)) return element.append(proofView(files[0].path));
     if (links.length <= 2) links.forEach((link) => link.click());
   }
 }

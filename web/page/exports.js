@@ -3,6 +3,7 @@
 import { tidy } from "./numbers.js";
 
 const PHOTO = ["photo", "photo_position"];
+const STRIPES = ["dpi", "views", "stripes", "phase", "orientation", "bleed"];
 
 export const EXPORTS = {
   still: {
@@ -35,12 +36,7 @@ export const EXPORTS = {
     endings: ["tif"],
     needed: ["lpi", "width", "height"],
     keys: [
-      "dpi",
-      "views",
-      "stripes",
-      "phase",
-      "orientation",
-      "bleed",
+      ...STRIPES,
       "bits",
       "compress",
       "reverse",
@@ -48,6 +44,13 @@ export const EXPORTS = {
       "marks",
       ...PHOTO,
     ],
+  },
+  proof: {
+    name: "Proof of a print",
+    about: "what an eye sees of the print through its sheet",
+    endings: ["png"],
+    needed: ["lpi", "width", "height"],
+    keys: [...STRIPES, "thickness", "distance", ...PHOTO],
   },
   chart: {
     name: "Pitch test chart",
@@ -65,6 +68,7 @@ export const LABELS = {
   compress: "Compression",
   denoise: "Denoise",
   depth_inversion: "Near is black",
+  distance: "Viewing distance",
   dpi: "Printer resolution",
   far: "Farthest depth",
   filter: "Filter",
@@ -85,6 +89,7 @@ export const LABELS = {
   side: "Side of the depth",
   step: "Step of pitches",
   stripes: "Stripes",
+  thickness: "Thickness of the sheet",
   views: "Views under a lens",
   white: "White of the panel",
   white_x: "White, CIE x",

@@ -1364,7 +1364,7 @@ export interface Calls {
   "export": {
     params: {
       /** kind of output, see Export kinds */
-      "kind": "quilt" | "still" | "views" | "pictures" | "panel" | "print" | "chart" | "rgbd" | "state";
+      "kind": "quilt" | "still" | "views" | "pictures" | "panel" | "print" | "chart" | "proof" | "rgbd" | "state";
       /** name of the file, or of a folder with a final slash, below --export-dir; with fds any name: only its ending counts */
       "file": string;
       /** write as soon as the image has this level; state: at once */
