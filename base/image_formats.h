@@ -15,6 +15,7 @@ typedef struct lf_image_source {
     uint64_t size_bytes;
     const char *where;
     const uint8_t *data;     /* the whole file, for 8-bit formats only; NULL: read from fd */
+    bool on_white;           /* 3 channels: transparent parts show white, in linear light */
     int channels;            /* channels wanted from read8: 3, or 4 with coverage */
     lf_image_metadata *meta; /* to be filled; NULL: not wanted */
 } lf_image_source;

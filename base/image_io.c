@@ -247,6 +247,16 @@ lf_status lf_image8_read_metadata(int fd, const char *path, lf_image8 *out, lf_i
     return status == LF_OK ? read8_from(&source, format, out, err) : status;
 }
 
+lf_status lf_image8_read_on_white(int fd, const char *path, lf_image8 *out, lf_image_metadata *meta,
+                                  lf_error *err)
+{
+    lf_image_source source;
+    const lf_image_format *format;
+    const lf_status status = look_at(fd, path, meta, &source, &format, err);
+    source.on_white = true;
+    return status == LF_OK ? read8_from(&source, format, out, err) : status;
+}
+
 lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
 {
     lf_image_metadata meta;

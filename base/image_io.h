@@ -59,6 +59,9 @@ LF_NODISCARD lf_status lf_image32_read_open(int fd, const char *path, lf_image32
 /* The same two functions with metadata: *meta is reset and filled, also on failure. */
 LF_NODISCARD lf_status lf_image8_read_metadata(int fd, const char *path, lf_image8 *out,
                                                lf_image_metadata *meta, lf_error *err);
+/* The same on white paper, which shows through transparent parts; otherwise alpha is ignored. */
+LF_NODISCARD lf_status lf_image8_read_on_white(int fd, const char *path, lf_image8 *out,
+                                               lf_image_metadata *meta, lf_error *err);
 LF_NODISCARD lf_status lf_image32_read_metadata(int fd, const char *path, lf_image32 *out,
                                                 lf_image_metadata *meta, lf_error *err);
 

@@ -98,19 +98,43 @@ static bool has_alpha(const png_session *s)
            png_get_valid(s->png, s->info, PNG_INFO_tRNS);
 }
 
+/* The code whose light is nearest. */
+static uint8_t code_of(const float light[256], float value)
+{
+    int low = 0, high = 255;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        *(light[middle] <= value ? &low : &high) = middle;
+    }
+    return (uint8_t)(value - light[low] <= light[high] - value ? low : high);
+}
+
+/* Puts a pixel of four channels on white. */
+static void put_on_white(const float light[256], uint8_t *pixel)
+{
+    const float cover = (float)pixel[3] / 255.0F;
+    for (int c = 0; c < 3 && pixel[3] < 255; c++)
+        pixel[c] = code_of(light, cover * light[pixel[c]] + (1.0F - cover));
+}
+
 /* Reduces four channels to three, in place. The allocation keeps its size. */
 static void drop_alpha(const png_session *s, lf_image8 *out)
 {
     size_t n = (size_t)out->width * (size_t)out->height, clear = 0;
+    float light[256];
+    lf_srgb_light(light);
     for (size_t i = 0; i < n; i++) {
+        if (s->source->on_white)
+            put_on_white(light, out->data + 4 * i);
         clear += out->data[4 * i + 3] < 255;
         memmove(out->data + 3 * i, out->data + 4 * i, 3);
     }
     out->channels = 3;
     out->stride = 3 * (size_t)out->width;
     if (clear > 0)
-        lf_image_note(&s->source->meta->notes, "%zu %s not opaque; alpha is ignored", clear,
-                      clear == 1 ? "pixel is" : "pixels are");
+        lf_image_note(&s->source->meta->notes, "%zu %s not opaque; %s", clear,
+                      clear == 1 ? "pixel is" : "pixels are",
+                      s->source->on_white ? "white paper shows through" : "alpha is ignored");
 }
 
 static void note_chunks(const png_session *s)

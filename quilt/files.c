@@ -226,7 +226,8 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     if (status != LF_OK)
         return status;
     lf_raster p = {0};
-    status = lf_raster_open(path, roots, false, &p, err);
+    status = photo->on_paper ? lf_raster_open_on_white(path, roots, &p, err)
+                             : lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, photo, q, err);
     if (status == LF_OK && columns > 0 && rows > 0)
@@ -476,7 +477,9 @@ static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *
 static lf_status take_picture(folder *f, int view, lf_error *err)
 {
     lf_raster p = {0};
-    lf_status status = lf_raster_open(f->list.names[view], f->roots, false, &p, err);
+    const char *name = f->list.names[view];
+    lf_status status = f->photo.on_paper ? lf_raster_open_on_white(name, f->roots, &p, err)
+                                         : lf_raster_open(name, f->roots, false, &p, err);
     if (status == LF_OK)
         status = take_raster(f, view, &p, err);
     lf_image_note_lines(&f->q->notes, p.meta.notes.text, p.meta.notes.length);

@@ -102,6 +102,8 @@ typedef struct lf_import_request {
     char variant[LF_IMPORT_MAX_NAME]; /* material variant; "": the default */
     /* for a picture: 1: return linear floats, whatever the file holds */
     uint32_t floats;
+    /* for a picture of bytes: 1: white shows through its transparent parts */
+    uint32_t on_white;
     /* for a grid: 1: velocities, which may be negative */
     uint32_t is_velocity;
     uint32_t lists; /* 1: return only the names of its numeric grids */

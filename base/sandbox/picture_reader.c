@@ -31,11 +31,12 @@ static lf_status read_floats(int fd, lf_parcel_writer *parcel, lf_error *err)
     return status;
 }
 
-static lf_status read_bytes(int fd, lf_parcel_writer *parcel, lf_error *err)
+static lf_status read_bytes(int fd, bool on_white, lf_parcel_writer *parcel, lf_error *err)
 {
     lf_image8 image = {0};
     lf_image_metadata meta;
-    lf_status status = lf_image8_read_metadata(fd, LF_HERE, &image, &meta, err);
+    lf_status status = on_white ? lf_image8_read_on_white(fd, LF_HERE, &image, &meta, err)
+                                : lf_image8_read_metadata(fd, LF_HERE, &image, &meta, err);
     if (status == LF_OK)
         status = put_metadata(parcel, image.width, image.height, &meta, err);
     for (int y = 0; y < image.height && status == LF_OK; y++)
@@ -52,8 +53,9 @@ static lf_status read_picture(const lf_import_request *request, int fd, lf_parce
     lf_status status = lf_image_probe_open(fd, LF_HERE, &kind, err);
     if (status != LF_OK)
         return status;
-    return request->floats || kind == LF_IMAGE_FLOAT ? read_floats(fd, parcel, err)
-                                                     : read_bytes(fd, parcel, err);
+    return request->floats || kind == LF_IMAGE_FLOAT
+               ? read_floats(fd, parcel, err)
+               : read_bytes(fd, request->on_white, parcel, err);
 }
 
 int main(void)

@@ -55,9 +55,10 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
     return out->data32 ? check_floats(out, err) : LF_OK;
 }
 
-lf_status lf_raster_import(int fd, const char *path, bool floats, lf_raster *out, lf_error *err)
+static lf_status import(int fd, const char *path, bool floats, bool on_white, lf_raster *out,
+                        lf_error *err)
 {
-    lf_import_request request = {.kind = LF_IMPORT_PICTURE, .floats = floats};
+    lf_import_request request = {.kind = LF_IMPORT_PICTURE, .floats = floats, .on_white = on_white};
     lf_raster picture = {0};
     lf_error wrong;
     /* only for messages: the file is open already */
@@ -77,16 +78,33 @@ lf_status lf_raster_import(int fd, const char *path, bool floats, lf_raster *out
     return LF_OK;
 }
 
-lf_status lf_raster_open(const char *path, const lf_roots *roots, bool floats, lf_raster *out,
-                         lf_error *err)
+lf_status lf_raster_import(int fd, const char *path, bool floats, lf_raster *out, lf_error *err)
+{
+    return import(fd, path, floats, false, out, err);
+}
+
+static lf_status open_file(const char *path, const lf_roots *roots, bool floats, bool on_white,
+                           lf_raster *out, lf_error *err)
 {
     int fd;
     lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = lf_raster_import(fd, path, floats, out, err);
+    status = import(fd, path, floats, on_white, out, err);
     close(fd);
     return status;
+}
+
+lf_status lf_raster_open(const char *path, const lf_roots *roots, bool floats, lf_raster *out,
+                         lf_error *err)
+{
+    return open_file(path, roots, floats, false, out, err);
+}
+
+lf_status lf_raster_open_on_white(const char *path, const lf_roots *roots, lf_raster *out,
+                                  lf_error *err)
+{
+    return open_file(path, roots, false, true, out, err);
 }
 
 void lf_raster_close(lf_raster *picture)

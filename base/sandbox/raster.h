@@ -25,6 +25,9 @@ LF_NODISCARD lf_status lf_raster_import(int fd, const char *path, bool floats, l
 /* Reads a file by name, inside roots (NULL: anywhere). Also LF_E_PATH. */
 LF_NODISCARD lf_status lf_raster_open(const char *path, const lf_roots *roots, bool floats,
                                       lf_raster *out, lf_error *err);
+/* The same without floats, for paper: white shows through transparent parts of 8-bit pictures. */
+LF_NODISCARD lf_status lf_raster_open_on_white(const char *path, const lf_roots *roots,
+                                               lf_raster *out, lf_error *err);
 /* Accepts a zeroed picture. */
 void lf_raster_close(lf_raster *picture);
 

@@ -45,12 +45,15 @@ static lf_photo_place lay(const lf_print *print, const lf_print_shape *shape)
 {
     const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
     const double width = shape->raster_width * right_mm, height = shape->raster_height * down_mm;
-    const double slack_width = 2 * print->bleed_mm + fmax(right_mm, SAME_ASPECT * width),
-                 slack_height = 2 * print->bleed_mm + fmax(down_mm, SAME_ASPECT * height);
     if (!(print->view_aspect > 0.0))
         return (lf_photo_place){.width = width, .height = height};
     /* A rolled rig's picture is on its side. */
     const double aspect = print->rolled ? 1.0 / print->view_aspect : print->view_aspect;
+    /* both sides of the raster are rounded to whole pixels */
+    const double rounded_width = fmax(right_mm, 0.5 * (right_mm + aspect * down_mm)),
+                 rounded_height = fmax(down_mm, 0.5 * (down_mm + right_mm / aspect));
+    const double slack_width = 2 * print->bleed_mm + fmax(rounded_width, SAME_ASPECT * width),
+                 slack_height = 2 * print->bleed_mm + fmax(rounded_height, SAME_ASPECT * height);
     return lf_photo_lay(&print->photo, aspect, width, height, slack_width, slack_height);
 }
 

@@ -191,12 +191,40 @@ static void a_proof_is_a_column_of_what_eyes_see(void **state)
     live_finish(&l);
 }
 
+static void sheets_of_copies_have_labels_and_what_does_not_fit_is_refused(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    json_t *params = print_params("cards.tif", 10, 15, 20, "vertical");
+    json_object_update_new(params, json_pack("{s:i, s:i, s:i, s:s}", "columns", 2, "rows", 3,
+                                             "gutter", 4, "label", "Job 4711"));
+    assert_string_equal(export_end(&c, json_deep_copy(params)), "done");
+    json_t *manifest = json_load_file(lf_test_path(l.exports, "cards.json"), 0, NULL);
+    const json_t *sheet = json_object_get(manifest, "sheet");
+    assert_int_equal(json_array_size(json_object_get(sheet, "copies")), 6);
+    assert_string_equal(json_string_value(json_object_get(sheet, "label")), "Job 4711");
+    json_decref(manifest);
+    json_object_set_new(params, "guard", json_integer(64));
+    assert_string_equal(export_end(&c, json_deep_copy(params)), "refused");
+    json_object_del(params, "guard");
+    json_object_update_new(params, json_pack("{s:i, s:i}", "paper_width", 30, "paper_height", 90));
+    assert_string_equal(export_end(&c, params), "refused");
+    live_close(&c);
+    live_finish(&l);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_print_that_is_too_deep_is_told),
         cmocka_unit_test(prints_take_profiles_by_name),
         cmocka_unit_test(a_proof_is_a_column_of_what_eyes_see),
+        cmocka_unit_test(sheets_of_copies_have_labels_and_what_does_not_fit_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

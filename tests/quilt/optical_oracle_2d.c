@@ -3,7 +3,7 @@
 #include <math.h>
 
 #define TURN (3.14159265358979323846 / 180.0)
-#define SPOT_POINTS 24
+#define SPOT_POINTS 10
 
 /* Across the lenses, to the right of an upright axis. */
 static void directions(const lf_sheet_2d *sheet, double across[2], double axis[2])

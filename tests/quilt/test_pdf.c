@@ -78,7 +78,7 @@ static void titles_of_any_letters_are_kept(void **state)
     lf_pdf_read read;
     lf_pdf_page page = a4;
     const char *path = lf_test_path(*state, "title.pdf");
-    page.title = "<a & b> \xc3\xa4 \xf0\x9f\x98\x80 \xc0\x80\x1f";
+    page.title = "<a & b> \xc3\xa4 \xf0\x9f\x98\x80 \xc0\xa8\x1f";
     end(&file, begin(&file, path, &page));
     lf_pdf_read_file(path, &read);
     assert_true(lf_pdf_read_has(&read, "&#60;a &#38; b&#62; \xc3\xa4 \xf0\x9f\x98\x80 &#63;"));
@@ -88,15 +88,17 @@ static void titles_of_any_letters_are_kept(void **state)
     lf_pdf_read_finish(&read);
 }
 
-/* Values that no filter alone suits, different in every row. */
-static void fill(uint16_t *value, int n, int bits)
+/* Rows of row values: eight that are like their neighbours on the left, then eight like those
+ * above. */
+static void fill(uint16_t *value, int row, int height, int bits)
 {
     uint32_t x = 12345;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < row * height; i++) {
         x = x * 1664525u + 1013904223u;
-        const int slow = i / 7 * 3, noise = (int)(x >> 28);
-        value[i] = (uint16_t)((bits == 8 ? slow + noise : 257 * slow + 19 * noise) &
-                              (bits == 8 ? 255 : 65535));
+        const int noise = (int)(x >> 29), slow = i / 7 * 3,
+                  column = (int)((uint32_t)(i % row) * 2654435761u >> 25);
+        const int v = (i / row / 8 % 2 ? slow : column) + noise;
+        value[i] = (uint16_t)((bits == 8 ? v : 257 * v + 19 * noise) & (bits == 8 ? 255 : 65535));
     }
 }
 
@@ -133,11 +135,11 @@ static void images_come_back_bit_for_bit(void **state)
     uint16_t value[37 * 29 * 4];
     for (int c = 0; c < 3; c++)
         for (int bits = 8; bits <= 16; bits += 8)
-            for (int rows = 1; rows <= 40; rows += 13) {
+            for (int rows = 1; rows <= 41; rows += 4) {
                 const lf_pdf_image image = {37, 29, channels[c], bits, 10, 20, 37 * 0.12, 29 * .06};
                 const char *path = lf_test_path(*state, "image.pdf");
                 lf_pdf_read read;
-                fill(value, 37 * 29 * channels[c], bits);
+                fill(value, 37 * channels[c], 29, bits);
                 write_image(path, &image, value, rows);
                 lf_pdf_read_file(path, &read);
                 assert_int_equal(read.width, 37);
@@ -151,7 +153,7 @@ static void images_come_back_bit_for_bit(void **state)
                 lf_assert_close(read.matrix[4], 10, 0, 0);
                 lf_assert_close(read.matrix[5], 20, 0, 0);
                 assert_true(lf_pdf_read_has(&read, "/Interpolate false"));
-                if (rows == 14)
+                if (rows == 13)
                     assert_qpdf_accepts(path);
                 lf_pdf_read_finish(&read);
             }

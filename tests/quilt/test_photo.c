@@ -1,6 +1,7 @@
 /* Pictures of another shape than the view, panel or print that they are laid onto. */
 #include "tests/base/pictures.h"
 
+#include <png.h>
 #include <sys/stat.h>
 
 #include "base/alloc.h"
@@ -370,6 +371,62 @@ static void the_aspect_of_a_quilt_is_that_which_is_said(void **state)
     lf_quilt_finish(&q);
 }
 
+static void transparent_parts_are_white_on_paper_and_ignored_elsewhere(void **state)
+{
+    (void)state;
+    /* red: transparent, half covered and opaque; grey: a fifth covered */
+    static const uint8_t pixels[4][4] = {
+        {200, 0, 0, 0}, {200, 0, 0, 128}, {200, 0, 0, 255}, {50, 50, 50, 51}};
+    char *folder = lf_test_folder();
+    const char *path = lf_test_path(folder, "logo.png");
+    png_image png = {.version = PNG_IMAGE_VERSION, .width = 4, .height = 1};
+    png.format = PNG_FORMAT_RGBA;
+    assert_true(png_image_write_to_file(&png, path, 0, pixels, 0, NULL));
+    for (int on_paper = 0; on_paper < 2; on_paper++) {
+        const lf_photo photo = {.on_paper = on_paper};
+        lf_quilt_file quilt;
+        lf_error err;
+        lf_assert_ok(lf_quilt_read_photo(path, NULL, 1, 1, &photo, &quilt, &err), &err);
+        const uint8_t *row = lf_views8_row(&quilt.views8, 0, 0);
+        for (int i = 0; i < 4; i++)
+            for (int c = 0; c < 3; c++) {
+                const double cover = on_paper ? pixels[i][3] / 255.0 : 1.0;
+                const double light =
+                    cover * lf_srgb_to_linear(pixels[i][c] / 255.0) + (1.0 - cover);
+                lf_assert_close(lf_srgb_to_linear(row[3 * i + c] / 255.0), light, 0.0, 0.005);
+            }
+        assert_non_null(strstr(quilt.notes.text, on_paper ? "3 pixels are not opaque; white paper"
+                                                          : "alpha is ignored"));
+        lf_quilt_finish(&quilt);
+    }
+    lf_test_folder_remove(folder);
+}
+
+/* 30 x 20 mm at 600 dpi is 709 x 472 pixels. */
+static void sides_that_are_rounded_to_pixels_make_no_border(void **state)
+{
+    (void)state;
+    static const float data[3] = {0};
+    const lf_views32 views = {1, 1, 1, 3, 3, data, NULL, NULL, NULL};
+    for (int turned = 0; turned < 2; turned++) {
+        lf_image_notes notes = {0};
+        char line[512];
+        lf_print print = {.lpi = 60, .dpi = 600, .n_views = 1, .bits = 8};
+        print.width_mm = turned ? 20 : 30;
+        print.height_mm = turned ? 30 : 20;
+        print.view_aspect = turned ? 2.0 / 3.0 : 1.5;
+        lf_print_note_laid(&print, &views, &notes);
+        for (size_t at = 0; lf_image_notes_next(&notes, &at, line, sizeof line);)
+            assert_null(strstr(line, "borders"));
+        print.view_aspect *= 1.02; /* negative control */
+        notes = (lf_image_notes){0};
+        size_t at = 0;
+        lf_print_note_laid(&print, &views, &notes);
+        assert_true(lf_image_notes_next(&notes, &at, line, sizeof line));
+        assert_non_null(strstr(line, "borders"));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -383,6 +440,8 @@ int main(void)
         cmocka_unit_test(a_panel_is_covered_by_what_is_cut_to_whole_pixels),
         cmocka_unit_test(the_aspect_of_views_comes_back_from_their_pictures),
         cmocka_unit_test(the_aspect_of_a_quilt_is_that_which_is_said),
+        cmocka_unit_test(transparent_parts_are_white_on_paper_and_ignored_elsewhere),
+        cmocka_unit_test(sides_that_are_rounded_to_pixels_make_no_border),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }
