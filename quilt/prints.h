@@ -257,6 +257,17 @@ typedef struct lf_print_shape {
 /* print must have passed lf_print_check. */
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out);
 
+/* Rows of a file, kept while it is written, so that what lies on the disk can be compared with what
+ * was meant. Set n_rows; the writer does the rest. Release with lf_print_witness_finish. */
+typedef struct lf_print_witness {
+    int n_rows;          /* rows to keep; fewer if the file has fewer */
+    int height;          /* rows of the file; 0: nothing is kept */
+    size_t row_bytes;    /* of a row as it is stored, before compression */
+    unsigned char *rows; /* [n_rows][row_bytes]; row i is lf_print_witness_at(i) of the file */
+} lf_print_witness;
+/* The file's row that row i of the witness holds. */
+int lf_print_witness_at(const lf_print_witness *witness, int i);
+void lf_print_witness_finish(lf_print_witness *witness); /* accepts NULL */
 typedef enum lf_print_format { LF_PRINT_TIFF, LF_PRINT_PDF } lf_print_format;
 
 /* Parameters of making a print, independent of its content. Zeroed is a valid default. */
@@ -270,6 +281,7 @@ typedef struct lf_print_run {
     /* an object to include in the manifest; may be NULL */
     const struct json_t *settings;
     const lf_image_notes *notes; /* warnings for the manifest, one line each; may be NULL */
+    lf_print_witness *witness;   /* is filled; may be NULL */
     const lf_cancel *cancel;     /* checked once per strip; may be NULL */
     void (*progress)(void *context, double fraction); /* rising, 0..1; may be NULL */
     void *context;

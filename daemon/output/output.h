@@ -77,11 +77,12 @@ typedef struct lf_output_request {
     lf_layout layout;                  /* kinds with has_tiles, and rgbd of a quilt */
     const lf_calibration *calibration; /* for kinds with needs_panel, like panel */
     lf_panel_options panel;
-    lf_rgbd_options rgbd;  /* kinds that read layers */
-    const lf_print *print; /* kinds with check_print */
-    double exposure;       /* stops, for float views on the way to 8 bits */
-    int quality;           /* of JPEG, 1..100; 0: LF_JPEG_QUALITY */
-    const char *tonemap;   /* NULL = "srgb" */
+    lf_rgbd_options rgbd;      /* kinds that read layers */
+    const lf_print *print;     /* kinds with check_print */
+    lf_print_witness *witness; /* of the file, kinds with check_print; may be NULL */
+    double exposure;           /* stops, for float views on the way to 8 bits */
+    int quality;               /* of JPEG, 1..100; 0: LF_JPEG_QUALITY */
+    const char *tonemap;       /* NULL = "srgb" */
     /* NULL, or an object (lf_output_settings): text attributes of EXR and PNG, and part of the
      * manifest */
     const json_t *settings;

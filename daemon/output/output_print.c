@@ -107,6 +107,7 @@ lf_print_run output_print_run(const lf_output_request *request)
     return (lf_print_run){.format = lf_output_print_format(request->path),
                           .pool = request->pool,
                           .settings = request->settings,
+                          .witness = request->witness,
                           .cancel = request->cancel,
                           .progress = request->progress,
                           .context = request->context};

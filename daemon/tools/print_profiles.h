@@ -1,4 +1,5 @@
-/* The commands of quiltprint: profiles of lens sheets and printers (quilt/profiles.h). They print
+/* The commands of quiltprint: profiles of lens sheets and printers (quilt/profiles.h), and check,
+ * which is in print_check.h. They print
  * to stdout and warn by the log. Files are written beside and renamed, in the user's folder or in
  * `folder`. Thread: one. */
 #ifndef LF_DAEMON_PRINT_PROFILES_H
@@ -7,9 +8,10 @@
 #include "quilt/profiles.h"
 
 typedef struct lf_profiles_command {
-    const char *folder; /* holds lenses/ and printers/; NULL: the user's */
-    bool json;          /* print JSON */
-    int n;              /* words after the command */
+    const char *folder;   /* holds lenses/ and printers/; NULL: the user's */
+    const char *manifest; /* of check; NULL: beside the print */
+    bool json;            /* print JSON */
+    int n;                /* words after the command */
     char *const *words;
 } lf_profiles_command;
 

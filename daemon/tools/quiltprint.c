@@ -1,19 +1,21 @@
-/* quiltprint: keeps profiles of lens sheets and printers. See docs/man/quiltprint.1. */
+/* quiltprint: keeps profiles of lens sheets and printers, and checks prints. See
+ * docs/man/quiltprint.1. */
 #include <stdio.h>
 #include <string.h>
 
 #include "base/log.h"
 #include "base/nearest.h"
 #include "daemon/output/options.h"
-#include "daemon/tools/print_profiles.h"
+#include "daemon/tools/print_check.h"
 
 #define PROGRAM "quiltprint"
 
-enum { OPTION_FOLDER = LF_OPTION_OWN, OPTION_JSON };
+enum { OPTION_FOLDER = LF_OPTION_OWN, OPTION_JSON, OPTION_MANIFEST };
 
 static const struct option table[] = {
     {"folder", required_argument, NULL, OPTION_FOLDER},
     {"json", no_argument, NULL, OPTION_JSON},
+    {"manifest", required_argument, NULL, OPTION_MANIFEST},
     {NULL, 0, NULL, 0},
 };
 
@@ -39,6 +41,11 @@ static const struct command {
      "remove a profile of yours",
      lf_profiles_remove,
      {"lens", "printer"}},
+    {"check",
+     "PRINT.tif",
+     "read a print back and check it against its manifest",
+     lf_print_check_command,
+     {NULL}},
 };
 
 enum { N_COMMANDS = sizeof commands / sizeof *commands };
@@ -55,7 +62,8 @@ static void print_help(void)
 {
     char left[80];
     printf("Usage: quiltprint COMMAND [words] [options]\n"
-           "Keep profiles of lens sheets and printers, which quiltrender and quiltd print with.\n"
+           "Keep profiles of lens sheets and printers, which quiltrender and quiltd print with, "
+           "and check prints.\n"
            "\n");
     for (int i = 0; i < N_COMMANDS; i++) {
         snprintf(left, sizeof left, "%s %s", commands[i].name, commands[i].words);
@@ -64,7 +72,8 @@ static void print_help(void)
     printf(
         "\n"
         "  --folder DIR           write to DIR, such as /etc/quiltd, instead of your own folder\n"
-        "  --json                 list, show: print JSON\n" LF_OPTIONS_HELP_LAST
+        "  --json                 list, show, check: print JSON\n"
+        "  --manifest FILE.json   check: the manifest (beside PRINT.tif)\n" LF_OPTIONS_HELP_LAST
             LF_OPTIONS_HELP_SHELLS);
     print_rows("Keys of a lens:", lf_profile_rows(LF_PROFILE_LENS));
     print_rows("Keys of a printer:", lf_profile_rows(LF_PROFILE_PRINTER));
@@ -78,6 +87,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     lf_profiles_command *command = context;
     if (code == OPTION_JSON)
         command->json = true;
+    else if (code == OPTION_MANIFEST)
+        command->manifest = text;
     else if (text[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "--folder", "is empty");
     else

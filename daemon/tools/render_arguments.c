@@ -73,6 +73,7 @@ static void print_help(void)
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
     lf_param_print_help(lf_profile_params, NULL);
+    lf_param_print_help(lf_check_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
@@ -183,7 +184,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->asked = kind;
     if (params == lf_print_params)
         lf_print_give(&a->of_print.given, kind ? lf_param_find(lf_print_params, "print") : row);
-    if ((params == lf_print_params || params == lf_profile_params) && !kind && !a->of_print.option)
+    if ((params == lf_print_params || params == lf_profile_params || params == lf_check_params) &&
+        !kind && !a->of_print.option)
         a->of_print.option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
@@ -552,6 +554,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_print_params, NULL, &a->print},
                                      {lf_profile_params, NULL, &a->of_print.profiles},
                                      {lf_simulate_params, NULL, &a->of_print.simulate},
+                                     {lf_check_params, NULL, &a->of_print.check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},

@@ -7,6 +7,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
 #include "daemon/output/video.h"
+#include "daemon/tools/print_check.h"
 #include "daemon/tools/simulate.h"
 
 #define LF_RENDER_PROGRAM "quiltrender"
@@ -27,9 +28,10 @@ typedef struct lf_depth_arguments {
 
 /* Options of prints, besides those of lf_print. */
 typedef struct lf_print_arguments {
-    lf_profile_names profiles;    /* --lens and --printer */
-    lf_print_given given;         /* keys of lf_print that options gave */
-    const char *option;           /* the first option that needs --print or --chart */
+    lf_profile_names profiles; /* --lens and --printer */
+    lf_print_given given;      /* keys of lf_print that options gave */
+    const char *option;        /* the first option that needs --print or --chart */
+    lf_check_arguments check;
     lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
     /* --read-chart (read_chart.h): NULL = not asked; the chart's manifest, NULL = chart.json beside
      * the photo */

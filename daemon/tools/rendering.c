@@ -11,6 +11,8 @@
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
 
+#define WITNESS_ROWS 32 /* of a print, to compare with the file */
+
 static int camera_rows(const lf_rendering *r)
 {
     return r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1;
@@ -113,7 +115,7 @@ static void measure_depth(lf_rendering *r)
         return;
     r->print.parallax_lenses = 0;
     if (r->arguments->kind->check_print && lf_scene_depth(r->scene, &settings, &depth) &&
-        lf_depth_exceeds(&depth, &settings.camera, LF_DEPTH_PRINT))
+        (lf_depth_shift(&depth) <= 1 || lf_depth_exceeds(&depth, &settings.camera, LF_DEPTH_PRINT)))
         r->print.parallax_lenses = fmin(lf_depth_shift(&depth), settings.width);
 }
 
@@ -375,6 +377,25 @@ static lf_status write_track(const lf_rendering *r, const lf_output_request *req
     return status == LF_OK ? lf_video_finish(r->video, err) : status;
 }
 
+static bool wants_check(const lf_rendering *r)
+{
+    return lf_rendering_kind(r)->check_print && !r->arguments->of_print.check.off &&
+           (lf_path_has_ending(r->path, ".tif") || lf_path_has_ending(r->path, ".tiff"));
+}
+
+/* Checks the print as it lies on the disk. LF_E_FORMAT: a point fails. */
+static lf_status check_print(lf_rendering *r, const lf_print_witness *witness, lf_error *err)
+{
+    bool failed = false;
+    lf_progress_line_clear(&r->line);
+    const lf_status status = lf_print_check_written(r->path, witness, &failed, err);
+    if (status != LF_OK || !failed)
+        return status;
+    return lf_error_set(err, LF_E_FORMAT, r->path,
+                        "was written, but its checklist has failures; read the .check.txt beside "
+                        "it");
+}
+
 lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -382,6 +403,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
                                           : lf_output_from_film(&r->settings, r->film);
     const char *names[LF_MAX_LAYER_CHANNELS];
     lf_layers32 layers;
+    lf_print_witness witness = {.n_rows = wants_check(r) ? WITNESS_ROWS : 0};
     source.reconstructed = !r->is_quilt && r->reconstructs;
     if (r->is_quilt)
         source.aspect = r->layout.aspect;
@@ -408,6 +430,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .calibration = &r->calibration,
         .panel = a->panel,
         .print = &r->print,
+        .witness = &witness,
         .rgbd = a->rgbd,
         .exposure = r->film_settings.exposure,
         .quality = a->options.file.quality,
@@ -423,6 +446,9 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     else
         status = r->video ? lf_video_add(r->video, &request, &source, err)
                           : lf_output_write(&request, &source, err);
+    if (status == LF_OK && wants_check(r))
+        status = check_print(r, &witness, err);
+    lf_print_witness_finish(&witness);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
     return status;

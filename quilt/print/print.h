@@ -229,6 +229,13 @@ LF_NODISCARD lf_status lf_print_tiff_close(lf_print_tiff *tiff, lf_error *err);
 /* Releases it without finishing the file; accepts NULL. */
 void lf_print_tiff_abandon(lf_print_tiff *tiff);
 
+/* Begins to keep rows of a file of this height; releases earlier ones. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_print_witness_begin(lf_print_witness *witness, int height,
+                                              size_t row_bytes);
+/* Offers rows y .. y + n - 1 as they are stored; the witness copies those that it keeps. Any
+ * thread, for different rows. */
+void lf_print_witness_see(lf_print_witness *witness, int y, int n, const void *rows);
+
 /* ---------------------------------------------------------------------------------- manifest -- */
 
 typedef struct lf_print_facts {

@@ -300,13 +300,15 @@ static json_t *source_part(const lf_print_facts *facts)
 {
     const lf_views32 *views = facts->source->views;
     return json_pack(
-        "{s:i, s:[i,i], s:b, s:s, s:i, s:o, s:o?, s:f, s:s}", "views", views->n_views, "view_px",
-        views->width, views->height, "resampled", facts->source->resampled, "sampling",
+        "{s:i, s:[i,i], s:b, s:s, s:i, s:o, s:o?, s:f, s:s, s:o}", "views", views->n_views,
+        "view_px", views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
                                  : sampling_of(facts->print),
         "frames", lf_flip_frames(facts->print, views->n_views), "shown", shown_part(facts), "photo",
         photo_part(facts->source), "exposure", facts->run->exposure, "tonemap",
-        facts->run->tonemap ? facts->run->tonemap : "srgb");
+        facts->run->tonemap ? facts->run->tonemap : "srgb", "parallax_lenses",
+        facts->print->parallax_lenses > 0.0 ? json_real(facts->print->parallax_lenses)
+                                            : json_null());
 }
 
 static json_t *colour_part(const lf_print_facts *facts, const json_t *options)

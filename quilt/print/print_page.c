@@ -23,6 +23,7 @@ typedef struct writing {
     const lf_print_colour *colour;
     const lf_print_sink *sink;
     void *state;
+    lf_print_witness *witness; /* NULL: none */
     size_t row_bytes;
     int n_hands;
     hand hands[LF_PRINT_MAX_HANDS];
@@ -95,6 +96,8 @@ static void make_strip(void *context, int item, int worker)
         else
             encode_heights((size_t)w->page->width, h->row, out);
     }
+    if (w->witness)
+        lf_print_witness_see(w->witness, h->y, h->strip.n_rows, h->strip.data);
     h->strip.size = (size_t)h->strip.n_rows * w->row_bytes;
     if (channels_of(w->colour) == 4) {
         const unsigned ink = most_ink(
@@ -183,6 +186,7 @@ lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *
     writing w = {.page = page,
                  .colour = colour,
                  .sink = run->format == LF_PRINT_PDF ? &lf_print_pdf_sink : &lf_print_tiff_sink,
+                 .witness = colour ? run->witness : NULL, /* a relief has none */
                  .row_bytes = (size_t)page->width * (size_t)channels_of(colour) *
                               (size_t)bits_of(page, colour) / 8};
     lf_status status =
@@ -192,6 +196,8 @@ lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *
     if (status != LF_OK)
         return status;
     status = make_hands(&w);
+    if (status == LF_OK && w.witness)
+        status = lf_print_witness_begin(w.witness, page->height, w.row_bytes);
     if (status != LF_OK)
         lf_error_set(err, status, "print", "out of memory");
     if (status == LF_OK)

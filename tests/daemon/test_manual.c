@@ -8,6 +8,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/server/methods.h"
+#include "daemon/tools/print_check.h"
 #include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
@@ -91,6 +92,7 @@ static void every_option_of_a_print_stands_in_the_manual_of_quiltrender(void **s
     }
     for (const lf_param *row = lf_profile_params; row->option; row++)
         check_option(page, row, true);
+    check_option(page, lf_check_params, true);
     lf_free(page);
     lf_free(guide);
 }
@@ -168,8 +170,8 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         at = strstr(at, "--") + 2;
         snprintf(option, sizeof option, "%.*s", (int)strcspn(at, " ,\n"), at);
         const lf_param own = {.option = option};
-        if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_profile_params, option) &&
-            !lf_param_find(lf_option_params, option) &&
+        if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_check_params, option) &&
+            !lf_param_find(lf_profile_params, option) && !lf_param_find(lf_option_params, option) &&
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
             !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
             !lf_param_find(lf_video_params, option) && !lf_param_find(lf_photo_params, option) &&

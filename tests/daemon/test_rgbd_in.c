@@ -273,7 +273,7 @@ static void a_folder_is_a_batch(void **state)
     qr_run(&o, "%s/photos --rgbd-in right -o %s/prints/ --print 60@300 --print-size 30x20", d, d);
     assert_int_equal(o.code, 1);
     assert_non_null(strstr(o.err, "has the output of p3."));
-    assert_int_equal(qr_count_files(lf_test_path(d, "prints")), 24);
+    assert_int_equal(qr_count_files(lf_test_path(d, "prints")), 60); /* five of each */
     qr_run(&o, "%s/photos --rgbd-in -o %s/none/ --spp 4", d, d);
     assert_int_equal(o.code, 2);
     assert_int_equal(qr_count_files(lf_test_path(d, "none")), 0);
@@ -328,7 +328,7 @@ static void a_batch_tells_the_same_once(void **state)
     assert_non_null(last);
     assert_non_null(strstr(last, " and 3 more\n"));
     assert_int_equal(count_lines(last), 1);
-    assert_int_equal(qr_count_files(lf_test_path(d, "sheets")), 20);
+    assert_int_equal(qr_count_files(lf_test_path(d, "sheets")), 50);
 }
 
 static void lines_that_differ_in_numbers_are_one(void **state)

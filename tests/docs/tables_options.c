@@ -7,6 +7,7 @@
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
+#include "daemon/tools/print_check.h"
 #include "daemon/tools/simulate.h"
 #include "tests/docs/tables.h"
 
@@ -31,6 +32,7 @@ static const struct group {
     {"interlacing", lf_panel_params, NULL, NULL, NULL, NULL},
     {"print", lf_print_params, lf_profile_params, NULL, NULL, NULL},
     {"simulate", lf_simulate_params, NULL, NULL, NULL, NULL},
+    {"check", lf_check_params, NULL, NULL, NULL, NULL},
     {"depth", lf_rgbd_params, NULL, NULL, NULL, NULL},
     {"alone", lf_alone_params, NULL, NULL, NULL, NULL},
     {"photo", lf_photo_params, lf_picture_params, NULL, NULL, NULL},

@@ -1,0 +1,126 @@
+/* The checklist as a user meets it: quiltrender checks what it has written, quiltprint check what
+ * has travelled. */
+#include "tests/daemon/quiltrender.h"
+
+#include <jansson.h>
+
+/* Runs quiltprint; its words are parted by single blanks. */
+static int quiltprint(const char *words, char *out, size_t size)
+{
+    char command[4 * PATH_MAX];
+    snprintf(command, sizeof command, "'%s' %s 2>&1", lf_test_built("quiltprint"), words);
+    FILE *from = popen(command, "r"); /* NOLINT(cert-env33-c) */
+    assert_non_null(from);
+    out[fread(out, 1, size - 1, from)] = '\0';
+    const int status = pclose(from);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static void remove_outputs(const char *folder, const char *stem)
+{
+    static const char *const endings[] = {"tif", "json", "check.txt", "check.json", "job.pdf"};
+    char name[64];
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        snprintf(name, sizeof name, "%s.%s", stem, endings[i]);
+        (void)unlink(lf_test_path(folder, name));
+    }
+}
+
+static void a_written_print_is_checked(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    json_error_t json_error;
+    qr_run(&o, "%s -o %s/sheet.tif --print 60.13@600 --print-size 30x20 --marks", f->quilt,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "sheet.tif: 16 of 18 points hold, 2 do not apply\n"));
+    assert_true(qr_exists(f->folder, "sheet.check.txt"));
+    assert_true(qr_exists(f->folder, "sheet.job.pdf"));
+    json_t *root = json_load_file(lf_test_path(f->folder, "sheet.check.json"), 0, &json_error);
+    assert_int_equal(json_integer_value(json_object_get(root, "failed")), 0);
+    json_decref(root);
+    remove_outputs(f->folder, "sheet");
+}
+
+static void a_chart_is_checked(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "-o %s/chart.tif --chart 60+-0.2/0.1@600 --print-size 80x60", f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "chart.tif: "));
+    assert_true(qr_exists(f->folder, "chart.check.txt"));
+    remove_outputs(f->folder, "chart");
+}
+
+static void the_check_can_be_off(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "%s -o %s/plain.tif --print 60.13@600 --print-size 30x20 --check off", f->quilt,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    assert_null(strstr(o.err, "points"));
+    assert_false(qr_exists(f->folder, "plain.check.txt"));
+    assert_false(qr_exists(f->folder, "plain.job.pdf"));
+    remove_outputs(f->folder, "plain");
+    qr_run(&o, "%s -o %s/q.png --check off", f->quilt, f->folder);
+    qr_assert_fails(&o, 2, "--check: needs --print");
+}
+
+static void quiltprint_checks_a_print_that_has_travelled(void **state)
+{
+    const qr_files *f = *state;
+    char words[2 * PATH_MAX], out[1 << 14];
+    json_error_t json_error;
+    qr_succeed("%s -o %s/sheet.tif --print 60.13@600 --print-size 30x20", f->quilt, f->folder);
+    snprintf(words, sizeof words, "check %s/sheet.tif", f->folder);
+    assert_int_equal(quiltprint(words, out, sizeof out), 0);
+    assert_non_null(strstr(out, " 1 PASS  pixel size: 709 x 472 pixels\n"));
+    snprintf(words, sizeof words, "check %s/sheet.tif --json", f->folder);
+    assert_int_equal(quiltprint(words, out, sizeof out), 0);
+    json_t *root = json_loads(out, 0, &json_error);
+    assert_int_equal(json_integer_value(json_object_get(root, "failed")), 0);
+    json_decref(root);
+
+    assert_int_equal(
+        rename(lf_test_path(f->folder, "sheet.json"), lf_test_path(f->folder, "other.json")), 0);
+    snprintf(words, sizeof words, "check %s/sheet.tif", f->folder);
+    assert_int_equal(quiltprint(words, out, sizeof out), 1);
+    assert_non_null(strstr(out, "there is no manifest"));
+    snprintf(words, sizeof words, "check %s/sheet.tif --manifest %s/other.json", f->folder,
+             f->folder);
+    assert_int_equal(quiltprint(words, out, sizeof out), 0);
+    assert_int_equal(truncate(lf_test_path(f->folder, "sheet.tif"), 3000), 0);
+    assert_int_equal(quiltprint(words, out, sizeof out), 1);
+    assert_non_null(strstr(out, " of 18 points fail; see their remedies\n"));
+    (void)unlink(lf_test_path(f->folder, "other.json"));
+    remove_outputs(f->folder, "sheet");
+}
+
+static void mistakes_of_a_command_line_are_told(void **state)
+{
+    const qr_files *f = *state;
+    char words[2 * PATH_MAX], out[1 << 14];
+    assert_int_equal(quiltprint("check", out, sizeof out), 2);
+    assert_string_equal(out, "quiltprint: check: expects one PRINT.tif, got 0 names\n");
+    snprintf(words, sizeof words, "check %s/none.tif", f->folder);
+    assert_int_equal(quiltprint(words, out, sizeof out), 1);
+    assert_non_null(strstr(out, "none.tif: cannot open"));
+    snprintf(words, sizeof words, "check %s", f->quilt); /* a PNG */
+    assert_int_equal(quiltprint(words, out, sizeof out), 1);
+    assert_non_null(strstr(out, "FAIL"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_written_print_is_checked),
+        cmocka_unit_test(a_chart_is_checked),
+        cmocka_unit_test(the_check_can_be_off),
+        cmocka_unit_test(quiltprint_checks_a_print_that_has_travelled),
+        cmocka_unit_test(mistakes_of_a_command_line_are_told),
+    };
+    return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
+}
