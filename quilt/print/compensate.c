@@ -31,7 +31,7 @@ struct lf_compensate {
     double own, own_worst;
     /* of a share: */
     const lf_print_source *source;
-    double *wanted, *pixels; /* [places], [pixels][LF_LANES] */
+    double *wanted, *pixels; /* [places], [pixels][LF_UNMIX_LANES] */
     /* horizontal: rows part_begin..part_end-1 are done, with their tallies. lines: of the stripes
      * from first_stripe on, [most_stripes][n_along][3]; rows: of the pixels from first_row on,
      * [most_rows][n_along][3] */
@@ -81,8 +81,7 @@ static int view_of_stripe(const lf_print *print, int stripe)
     return print->reverse ? m : print->n_views - 1 - m;
 }
 
-/* ------------------------------------------------------------------------------ what is asked --
- */
+/* ----------------------------------------------------------------------------- what is asked -- */
 
 static lf_status check_kernel(const lf_print_blur *blur, lf_error *err)
 {
@@ -135,8 +134,7 @@ lf_status lf_compensate_check(const lf_print *print, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------- kernel --
- */
+/* ------------------------------------------------------------------------------------ kernel -- */
 
 /* Mean share of stripe t + d in what an eye sees at stripe t, d = -reach..reach; and the least own
  * share of a stripe. */
@@ -241,14 +239,14 @@ static void fit_spot(const lf_compensate *c, const double *wanted, double *middl
 /* The weights of spots, one stripe apart, whose sum has the wanted kernel if each has this one. */
 static lf_status divide_kernels(const double *wanted, const double *kernel, int reach, double *out)
 {
-    enum { MOST = (4 * LF_PRINT_CROSSTALK + 1) * LF_LANES };
+    enum { MOST = (4 * LF_PRINT_CROSSTALK + 1) * LF_UNMIX_LANES };
     const int size = 4 * reach + 1; /* rows at the ends are cut off */
     double light[MOST] = {0.0}, spots[MOST], turned[2 * LF_PRINT_CROSSTALK + 1];
     lf_crosstalk k;
     lf_unmix unmix;
     for (int i = 0; i <= 2 * reach; i++) {
         turned[i] = kernel[2 * reach - i];
-        light[(reach + i) * LF_LANES] = wanted[i];
+        light[(reach + i) * LF_UNMIX_LANES] = wanted[i];
     }
     lf_status status = lf_crosstalk_of_kernel(turned, size, reach, &k);
     if (status != LF_OK)
@@ -261,7 +259,7 @@ static lf_status divide_kernels(const double *wanted, const double *kernel, int 
         lf_unmix_finish(&unmix);
     }
     for (int i = 0; i <= 2 * reach; i++)
-        out[i] = spots[(reach + i) * LF_LANES];
+        out[i] = spots[(reach + i) * LF_UNMIX_LANES];
     lf_crosstalk_finish(&k);
     return status;
 }
@@ -290,8 +288,7 @@ static void weigh(lf_compensate *c)
             lf_crosstalk_row(&c->matrix, p)[d] *= sqrt(BETWEEN);
 }
 
-/* -------------------------------------------------------------------------------------- object --
- */
+/* ------------------------------------------------------------------------------------ object -- */
 
 static lf_status alloc_rows(lf_compensate *c)
 {
@@ -356,8 +353,8 @@ lf_status lf_compensate_share(lf_compensate *whole, const lf_print_source *sourc
                          .crosstalk = whole->crosstalk,
                          .tallies = whole->tallies,
                          .source = source};
-    c->wanted = lf_calloc((size_t)c->n_stripes * 2 * LF_LANES, sizeof *c->wanted);
-    c->pixels = lf_calloc((size_t)c->n_pixels * LF_LANES, sizeof *c->pixels);
+    c->wanted = lf_calloc((size_t)c->n_stripes * 2 * LF_UNMIX_LANES, sizeof *c->wanted);
+    c->pixels = lf_calloc((size_t)c->n_pixels * LF_UNMIX_LANES, sizeof *c->pixels);
     lf_status status =
         c->wanted && c->pixels ? lf_unmix_share(&c->unmix, &whole->unmix) : LF_E_NOMEM;
     if (status == LF_OK && c->print->horizontal)
@@ -385,8 +382,7 @@ void lf_compensate_destroy(lf_compensate *c)
     lf_free(c);
 }
 
-/* -------------------------------------------------------------------------------------- light --
- */
+/* ------------------------------------------------------------------------------------- light -- */
 
 double lf_dot_gain_undone(double light, double gain)
 {
@@ -417,10 +413,10 @@ static float printed(const lf_compensate *c, double light)
 static void want_between(lf_compensate *c, int begin, int end)
 {
     for (int t = begin; t < end; t++) {
-        const double *above = c->wanted + (size_t)(2 * t + 1) * LF_LANES,
-                     *below = t > 0 ? above - 2 * LF_LANES : above;
-        for (int lane = 0; lane < LF_LANES; lane++)
-            c->wanted[(size_t)(2 * t) * LF_LANES + (size_t)lane] =
+        const double *above = c->wanted + (size_t)(2 * t + 1) * LF_UNMIX_LANES,
+                     *below = t > 0 ? above - 2 * LF_UNMIX_LANES : above;
+        for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+            c->wanted[(size_t)(2 * t) * LF_UNMIX_LANES + (size_t)lane] =
                 sqrt(BETWEEN) * 0.5 * (above[lane] + below[lane]);
     }
 }
@@ -433,8 +429,8 @@ static void count_seen(const lf_compensate *c, int first, int end, int n_lanes, 
         if (dot == 0 || dot + c->crosstalk->width == c->n_pixels)
             continue; /* part of the spot may be off the print */
         for (int lane = 0; lane < n_lanes; lane++) {
-            const double left = fabs(c->unmix.error[(size_t)p * LF_LANES + (size_t)lane]),
-                         plain = fabs(c->unmix.plain[(size_t)p * LF_LANES + (size_t)lane]);
+            const double left = fabs(c->unmix.error[(size_t)p * LF_UNMIX_LANES + (size_t)lane]),
+                         plain = fabs(c->unmix.plain[(size_t)p * LF_UNMIX_LANES + (size_t)lane]);
             sums->sum += left;
             sums->plain_sum += plain;
             sums->worst = fmax(sums->worst, left);
@@ -486,12 +482,12 @@ void lf_compensate_across(lf_compensate *c, int y, const float *samples, float *
             samples + 3 * ((size_t)view_of_stripe(c->print, t) * (size_t)c->shape->n_lenses +
                            (size_t)lens_of_stripe(c->print, t));
         for (int i = 0; i < 3; i++)
-            c->wanted[(size_t)(2 * t + 1) * LF_LANES + (size_t)i] = pressed(c, in[i]);
+            c->wanted[(size_t)(2 * t + 1) * LF_UNMIX_LANES + (size_t)i] = pressed(c, in[i]);
     }
     want_between(c, 0, c->n_stripes);
     for (int x = 0; x < c->n_pixels; x++)
         for (int i = 0; i < 3; i++)
-            c->pixels[(size_t)x * LF_LANES + (size_t)i] = pressed(c, row[3 * x + i]);
+            c->pixels[(size_t)x * LF_UNMIX_LANES + (size_t)i] = pressed(c, row[3 * x + i]);
     lf_unmix_light(&c->unmix, &all, c->wanted, c->pixels);
     tally sums = {0};
     count_seen(c, all.first_place, all.end_place, 3, &sums);
@@ -500,7 +496,7 @@ void lf_compensate_across(lf_compensate *c, int y, const float *samples, float *
     c->tallies[y] = sums;
     for (int x = 0; x < c->n_pixels; x++)
         for (int i = 0; i < 3; i++)
-            row[3 * x + i] = printed(c, c->pixels[(size_t)x * LF_LANES + (size_t)i]);
+            row[3 * x + i] = printed(c, c->pixels[(size_t)x * LF_UNMIX_LANES + (size_t)i]);
 }
 
 /* ------------------------------------------------------------------------- horizontal lenses -- */
@@ -553,13 +549,13 @@ static void solve_columns(lf_compensate *c, const lf_unmix_part *part, size_t at
     for (int t = begin > 0 ? begin - 1 : 0; t < end; t++) {
         const float *in = c->lines + (size_t)(t - c->first_stripe) * line + at;
         for (int lane = 0; lane < n_lanes; lane++)
-            c->wanted[(size_t)(2 * t + 1) * LF_LANES + (size_t)lane] = pressed(c, in[lane]);
+            c->wanted[(size_t)(2 * t + 1) * LF_UNMIX_LANES + (size_t)lane] = pressed(c, in[lane]);
     }
     want_between(c, begin, end);
     for (int y = part->begin; y < part->end; y++) {
         const float *in = c->rows + (size_t)(y - part->begin) * line + at;
         for (int lane = 0; lane < n_lanes; lane++)
-            c->pixels[(size_t)y * LF_LANES + (size_t)lane] = pressed(c, in[lane]);
+            c->pixels[(size_t)y * LF_UNMIX_LANES + (size_t)lane] = pressed(c, in[lane]);
     }
     lf_unmix_light(&c->unmix, part, c->wanted, c->pixels);
     int place = part->first_place;
@@ -571,7 +567,7 @@ static void solve_columns(lf_compensate *c, const lf_unmix_part *part, size_t at
         count_clamped(c, y, n_lanes, sums);
         float *out = c->rows + (size_t)(y - part->begin) * line + at;
         for (int lane = 0; lane < n_lanes; lane++)
-            out[lane] = printed(c, c->pixels[(size_t)y * LF_LANES + (size_t)lane]);
+            out[lane] = printed(c, c->pixels[(size_t)y * LF_UNMIX_LANES + (size_t)lane]);
     }
 }
 
@@ -586,8 +582,8 @@ static void make_part(lf_compensate *c, int y)
     const lf_unmix_part part = lf_unmix_part_of(&c->unmix, begin, end);
     fetch_rows(c, &part);
     memset(c->part_tallies, 0, sizeof c->part_tallies);
-    for (size_t at = 0; at < line; at += LF_LANES)
-        solve_columns(c, &part, at, line - at < LF_LANES ? (int)(line - at) : LF_LANES);
+    for (size_t at = 0; at < line; at += LF_UNMIX_LANES)
+        solve_columns(c, &part, at, line - at < LF_UNMIX_LANES ? (int)(line - at) : LF_UNMIX_LANES);
 }
 
 void lf_compensate_down(lf_compensate *c, int y, float *row)

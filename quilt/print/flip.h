@@ -25,7 +25,7 @@ int lf_flip_frames(const lf_print *print, int n_images);
 lf_stripe_content lf_flip_content(const lf_print *print, int n_images, int i);
 /* LF_E_ARG: guards leave no stripe for some of the frames. */
 LF_NODISCARD lf_status lf_flip_check(const lf_print *print, int n_images, const char *where,
-                                      lf_error *err);
+                                     lf_error *err);
 /* Notes what may surprise: frames that are not shown, frames of unlike width, lenses that show each
  * eye another frame. */
 void lf_flip_note(const lf_print *print, int n_images, lf_image_notes *notes);

@@ -90,7 +90,7 @@ typedef struct lf_print_source {
     const lf_print *print;
     const lf_views32 *views;
     const lf_tone *tone;
-    bool resampled;     /* views do not have the print's shape; `place` positions them, in mm */
+    bool resampled; /* views do not have the print's shape; `place` positions them, in mm */
     lf_photo_place place;
     /* floats from sample to sample of a view, across the lenses and along them */
     size_t across_step, along_step;

@@ -42,7 +42,7 @@ static void make_columns(lf_unmix *unmix)
 
 static double *lanes_of(double *values, int i)
 {
-    return values + (size_t)i * LF_LANES;
+    return values + (size_t)i * LF_UNMIX_LANES;
 }
 
 /* The element (i, j) of K^T K, j <= i. */
@@ -80,10 +80,10 @@ static lf_status make_scratch(lf_unmix *unmix)
 {
     const size_t n_dots = (size_t)unmix->crosstalk->n_dots,
                  n_places = (size_t)unmix->crosstalk->n_places;
-    unmix->error = lf_calloc(n_places * LF_LANES, sizeof *unmix->error);
-    unmix->plain = lf_calloc(n_places * LF_LANES, sizeof *unmix->plain);
-    unmix->step = lf_calloc(n_dots * LF_LANES, sizeof *unmix->step);
-    unmix->dots = lf_calloc(n_dots * LF_LANES, sizeof *unmix->dots);
+    unmix->error = lf_calloc(n_places * LF_UNMIX_LANES, sizeof *unmix->error);
+    unmix->plain = lf_calloc(n_places * LF_UNMIX_LANES, sizeof *unmix->plain);
+    unmix->step = lf_calloc(n_dots * LF_UNMIX_LANES, sizeof *unmix->step);
+    unmix->dots = lf_calloc(n_dots * LF_UNMIX_LANES, sizeof *unmix->dots);
     unmix->clamped = lf_calloc(n_dots, 2);
     if (!unmix->error || !unmix->plain || !unmix->step || !unmix->dots || !unmix->clamped) {
         lf_unmix_finish(unmix);
@@ -152,12 +152,12 @@ static void look_at(lf_unmix *unmix, const lf_unmix_part *part, const double *wa
     const lf_crosstalk *k = unmix->crosstalk;
     for (int t = part->first_place; t < part->end_place; t++) {
         const double *share = lf_crosstalk_row(k, t), *dots = lanes_of(unmix->dots, k->first[t]);
-        double *error = lanes_of(unmix->error, t), sum[LF_LANES];
-        for (int lane = 0; lane < LF_LANES; lane++)
-            sum[lane] = -wanted[(size_t)t * LF_LANES + (size_t)lane];
+        double *error = lanes_of(unmix->error, t), sum[LF_UNMIX_LANES];
+        for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+            sum[lane] = -wanted[(size_t)t * LF_UNMIX_LANES + (size_t)lane];
         for (int d = 0; d < k->width; d++)
-            for (int lane = 0; lane < LF_LANES; lane++)
-                sum[lane] += share[d] * dots[d * LF_LANES + lane];
+            for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+                sum[lane] += share[d] * dots[d * LF_UNMIX_LANES + lane];
         memcpy(error, sum, sizeof sum);
     }
 }
@@ -179,12 +179,12 @@ static seen_at seen_of(const lf_unmix *unmix, const lf_unmix_part *part, int dot
 }
 
 /* -K^T error of one dot. */
-static inline void pull_back(const seen_at *seen, double pull[static LF_LANES])
+static inline void pull_back(const seen_at *seen, double pull[static LF_UNMIX_LANES])
 {
-    double sum[LF_LANES] = {0.0};
+    double sum[LF_UNMIX_LANES] = {0.0};
     for (int t = 0; t < seen->n; t++)
-        for (int lane = 0; lane < LF_LANES; lane++)
-            sum[lane] -= seen->share[t] * seen->error[t * LF_LANES + lane];
+        for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+            sum[lane] -= seen->share[t] * seen->error[t * LF_UNMIX_LANES + lane];
     memcpy(pull, sum, sizeof sum);
 }
 
@@ -196,22 +196,22 @@ static void solve(lf_unmix *unmix, const lf_unmix_part *part)
     for (int i = part->begin; i < part->end; i++) {
         const double *row = unmix->factor + (size_t)i * (size_t)width;
         const seen_at seen = seen_of(unmix, part, i);
-        double *step = lanes_of(unmix->step, i), sum[LF_LANES];
+        double *step = lanes_of(unmix->step, i), sum[LF_UNMIX_LANES];
         pull_back(&seen, sum);
         for (int d = 1; d < width && d <= i - part->begin; d++)
-            for (int lane = 0; lane < LF_LANES; lane++)
-                sum[lane] -= row[d] * (step - (size_t)d * LF_LANES)[lane];
+            for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+                sum[lane] -= row[d] * (step - (size_t)d * LF_UNMIX_LANES)[lane];
         memcpy(step, sum, sizeof sum);
     }
     for (int i = part->end - 1; i >= part->begin; i--) {
         const double *row = unmix->factor + (size_t)i * (size_t)width;
-        double *step = lanes_of(unmix->step, i), sum[LF_LANES];
-        for (int lane = 0; lane < LF_LANES; lane++)
+        double *step = lanes_of(unmix->step, i), sum[LF_UNMIX_LANES];
+        for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
             sum[lane] = step[lane] * row[0];
         for (int d = 1; d < width && d < part->end - i; d++)
-            for (int lane = 0; lane < LF_LANES; lane++)
-                sum[lane] -=
-                    (row + (size_t)d * (size_t)width)[d] * (step + (size_t)d * LF_LANES)[lane];
+            for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+                sum[lane] -= (row + (size_t)d * (size_t)width)[d] *
+                             (step + (size_t)d * LF_UNMIX_LANES)[lane];
         memcpy(step, sum, sizeof sum);
     }
 }
@@ -230,7 +230,7 @@ static bool cut(lf_unmix *unmix, const lf_unmix_part *part)
     memset(unmix->near + part->begin, 0, (size_t)(part->end - part->begin));
     for (int i = part->begin; i < part->end; i++) {
         double *dot = lanes_of(unmix->dots, i);
-        for (int lane = 0; lane < LF_LANES; lane++) {
+        for (int lane = 0; lane < LF_UNMIX_LANES; lane++) {
             if (dot[lane] < -BEYOND || dot[lane] > 1.0 + BEYOND)
                 unmix->clamped[i] |= (unsigned char)(1U << lane);
             dot[lane] = within(dot[lane]);
@@ -250,52 +250,52 @@ static void settle(lf_unmix *unmix, const lf_unmix_part *part, int i)
     if (!unmix->near[i] || unmix->norm[i] <= 0.0)
         return;
     const seen_at seen = seen_of(unmix, part, i);
-    double *dot = lanes_of(unmix->dots, i), moved[LF_LANES];
+    double *dot = lanes_of(unmix->dots, i), moved[LF_UNMIX_LANES];
     pull_back(&seen, moved);
-    for (int lane = 0; lane < LF_LANES; lane++) {
+    for (int lane = 0; lane < LF_UNMIX_LANES; lane++) {
         const double to = within(dot[lane] + moved[lane] / unmix->norm[i]);
         moved[lane] = to - dot[lane];
         dot[lane] = to;
     }
     for (int t = 0; t < seen.n; t++)
-        for (int lane = 0; lane < LF_LANES; lane++)
-            seen.error[t * LF_LANES + lane] += seen.share[t] * moved[lane];
+        for (int lane = 0; lane < LF_UNMIX_LANES; lane++)
+            seen.error[t * LF_UNMIX_LANES + lane] += seen.share[t] * moved[lane];
 }
 
 /* Leaves a lane as it was if that is better. */
 static void never_worse(lf_unmix *unmix, const lf_unmix_part *part, const double *print)
 {
-    for (size_t lane = 0; lane < LF_LANES; lane++) {
-        const size_t begin = (size_t)part->first_place * LF_LANES + lane,
-                     end = (size_t)part->end_place * LF_LANES;
+    for (size_t lane = 0; lane < LF_UNMIX_LANES; lane++) {
+        const size_t begin = (size_t)part->first_place * LF_UNMIX_LANES + lane,
+                     end = (size_t)part->end_place * LF_UNMIX_LANES;
         double sum = 0.0, plain = 0.0;
-        for (size_t i = begin; i < end; i += LF_LANES) {
+        for (size_t i = begin; i < end; i += LF_UNMIX_LANES) {
             sum += unmix->error[i] * unmix->error[i];
             plain += unmix->plain[i] * unmix->plain[i];
         }
         if (sum <= plain)
             continue;
-        for (size_t i = (size_t)part->begin * LF_LANES + lane; i < (size_t)part->end * LF_LANES;
-             i += LF_LANES)
+        for (size_t i = (size_t)part->begin * LF_UNMIX_LANES + lane;
+             i < (size_t)part->end * LF_UNMIX_LANES; i += LF_UNMIX_LANES)
             unmix->dots[i] = print[i];
-        for (size_t i = begin; i < end; i += LF_LANES)
+        for (size_t i = begin; i < end; i += LF_UNMIX_LANES)
             unmix->error[i] = unmix->plain[i];
     }
 }
 
 void lf_unmix_light(lf_unmix *unmix, const lf_unmix_part *part, const double *wanted, double *print)
 {
-    const size_t dots_at = (size_t)part->begin * LF_LANES,
-                 dots_size = (size_t)(part->end - part->begin) * LF_LANES * sizeof *print,
-                 places_at = (size_t)part->first_place * LF_LANES,
+    const size_t dots_at = (size_t)part->begin * LF_UNMIX_LANES,
+                 dots_size = (size_t)(part->end - part->begin) * LF_UNMIX_LANES * sizeof *print,
+                 places_at = (size_t)part->first_place * LF_UNMIX_LANES,
                  places_size =
-                     (size_t)(part->end_place - part->first_place) * LF_LANES * sizeof *print;
+                     (size_t)(part->end_place - part->first_place) * LF_UNMIX_LANES * sizeof *print;
     memcpy(unmix->dots + dots_at, print + dots_at, dots_size);
     look_at(unmix, part, wanted);
     memcpy(unmix->plain + places_at, unmix->error + places_at, places_size);
     for (int i = 0; i < SOLVES; i++) {
         solve(unmix, part);
-        for (size_t v = dots_at; v < (size_t)part->end * LF_LANES; v++)
+        for (size_t v = dots_at; v < (size_t)part->end * LF_UNMIX_LANES; v++)
             unmix->dots[v] += unmix->step[v];
         look_at(unmix, part, wanted);
     }

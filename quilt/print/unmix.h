@@ -1,7 +1,7 @@
 /* Private to quilt/print: the dots to print so that an eye sees a given light, the inverse of
  * crosstalk.h within the gamut. Used by one thread.
  *
- * Values have LF_LANES independent lanes: the channels of a row, or parts of a line. */
+ * Values have LF_UNMIX_LANES independent lanes: the channels of a row, or parts of a line. */
 #ifndef LF_QUILT_UNMIX_H
 #define LF_QUILT_UNMIX_H
 
@@ -9,7 +9,7 @@
 
 #include "quilt/print/crosstalk.h"
 
-#define LF_LANES 4
+#define LF_UNMIX_LANES 4
 
 typedef struct lf_unmix {
     bool shares; /* factor, column and norm are another's */
@@ -18,10 +18,10 @@ typedef struct lf_unmix {
     double *column; /* [n_dots][height] the dot's shares, from the first place that may see it */
     int height;
     double *norm; /* [n_dots] squared length of a dot's column */
-    /* [n_places][LF_LANES]: what an eye sees less what it should see, and the same for the print as
-     * it was */
+    /* [n_places][LF_UNMIX_LANES]: what an eye sees less what it should see, and the same for the
+     * print as it was */
     double *error, *plain;
-    double *step, *dots;    /* [n_dots][LF_LANES] scratch */
+    double *step, *dots;    /* [n_dots][LF_UNMIX_LANES] scratch */
     unsigned char *clamped; /* [n_dots] bit of a lane: the exact solution is outside the gamut */
     unsigned char *near;    /* [n_dots] 1: near such a dot */
 } lf_unmix;
@@ -37,11 +37,11 @@ typedef struct lf_unmix_part {
     int begin, end, first_place, end_place;
 } lf_unmix_part;
 lf_unmix_part lf_unmix_part_of(const lf_unmix *unmix, int begin, int end);
-/* wanted[n_places][LF_LANES]: what an eye should see. print[n_dots][LF_LANES], 0..1: in, a print
- * that is nearly right; out, the nearest print with which an eye sees what it should. Exact where
- * the gamut allows it, otherwise near to the least squares within the gamut, and in no lane worse
- * than the print that came in. Reads and sets only values of the part, in these arrays and in
- * error, plain and clamped. */
+/* wanted[n_places][LF_UNMIX_LANES]: what an eye should see. print[n_dots][LF_UNMIX_LANES], 0..1:
+ * in, a print that is nearly right; out, the nearest print with which an eye sees what it should.
+ * Exact where the gamut allows it, otherwise near to the least squares within the gamut, and in no
+ * lane worse than the print that came in. Reads and sets only values of the part, in these arrays
+ * and in error, plain and clamped. */
 void lf_unmix_light(lf_unmix *unmix, const lf_unmix_part *part, const double *wanted,
                     double *print);
 

@@ -86,8 +86,7 @@ static void look(const lf_print *print, const lf_views32 *views, int c, const re
     lf_printed_finish(&printed);
 }
 
-/* ---------------------------------------------------------------------------------- crosstalk --
- */
+/* --------------------------------------------------------------------------------- crosstalk -- */
 
 typedef struct crosstalk {
     double share[MOST_VIEWS]
@@ -236,8 +235,7 @@ static void a_wrong_blur_makes_ghosts(void **state)
     assert_true(on.ghost > 1.5 * off.ghost);
 }
 
-/* ---------------------------------------------------------------------------- measured kernels --
- */
+/* -------------------------------------------------------------------------- measured kernels -- */
 
 /* The share of view i + k at view i, as a chart under the sheet would show it. */
 static void measure(const crosstalk *c, int n_views, lf_print_blur *blur)
@@ -287,8 +285,7 @@ static void a_measured_crosstalk_is_taken_back(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* Views of a scene: things at three depths before a wall, from black to white. */
 static float scene_value(const void *context, int view, int row, int column, int c)
@@ -397,8 +394,7 @@ static void no_print_is_worse(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------ dot gain --
- */
+/* ---------------------------------------------------------------------------------- dot gain -- */
 
 static void dot_gain_is_undone(void **state)
 {
@@ -429,8 +425,7 @@ static void a_printer_with_dot_gain_shows_the_picture(void **state)
     assert_true(without.rms > 0.5 * off.rms);
 }
 
-/* -------------------------------------------------------------------------------------- files --
- */
+/* ------------------------------------------------------------------------------------- files -- */
 
 static void off_changes_no_byte(void **state)
 {
@@ -602,8 +597,7 @@ static void the_manifest_says_what_is_left(void **state)
     lf_card_finish(&card);
 }
 
-/* ------------------------------------------------------------------------------------ mistakes --
- */
+/* ---------------------------------------------------------------------------------- mistakes -- */
 
 static void assert_refused(const lf_print *print, const char *words)
 {
