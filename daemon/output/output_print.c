@@ -26,6 +26,7 @@ static void roll(lf_camera *camera, double width_over_height)
     for (int k = 0; k < 3 && length > 0; k++)
         camera->up[k] = right[k] / length;
     camera->fov_y = 2 * atan(tan(0.5 * camera->fov_y) * width_over_height);
+    camera->rolled = true;
 }
 
 void lf_output_print_view(const lf_print *print, lf_render_settings *settings)

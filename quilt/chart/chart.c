@@ -14,7 +14,7 @@
 #define LEAST_MARKED_BAND_MM 3.0
 #define LEAST_GRATING_MM 10.0
 #define TICK_MM 0.2
-#define SIDE_TICK_MM 1.2
+#define SIDE_TICK_MM 0.8
 /* A cell of a tag covers several lenses, each of which shows one column of it. */
 #define CELL_MM 1.2
 #define CELL_LENSES 3.0

@@ -140,7 +140,7 @@ lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings, const dou
            bottom = whole ? 1.0 : w[3];
     if (!(right > left && bottom > top))
         return lf_error_set(err, LF_E_ARG, "window", "must have a positive size");
-    r.tangent = (float)tan(0.5 * c->fov_y);
+    r.tangent = c->rolled ? INFINITY : (float)tan(0.5 * c->fov_y);
     r.x0 = (float)((left - 0.5) * window_width);
     r.dx = (float)((right - left) * window_width / settings->width);
     r.sink = (float)((own ? 0.0 : c->rise) / distance);

@@ -46,7 +46,8 @@ typedef struct lf_rig {
         blur_up; /* half the width of a view's line or cell of cameras, and half its height */
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
     float x0, dx, y0, dy;
-    /* slope of the window's upper edge seen from the middle; the lower edge has minus this */
+    /* slope of the window's upper edge seen from the middle; the lower edge has minus this.
+     * INFINITY: the image lies on its side, and all rows count as its middle */
     float tangent;
     float sink;  /* subtracted from both slopes if the rig lies above the middle */
     float still; /* D/Z0, 1 or 0: the nearness of points that do not move from view to view */

@@ -62,6 +62,9 @@ typedef struct lf_camera {
      * panel may replace. */
     bool has_aspect, has_views, has_cone;
     bool moves; /* within the shutter: shift is not all 0 */
+    /* The image lies on its side, so its rows are columns of what is shown: a backdrop is its
+     * middle colour. */
+    bool rolled;
     /* Every view's camera, instead of a rig: [n_views], owned by the scene. target, position, up
      * and fov_y are then copies of the middle camera. NULL: a rig */
     const lf_view_camera *list;

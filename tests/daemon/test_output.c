@@ -331,6 +331,7 @@ static void horizontal_lenses_roll_the_rig(void **state)
     lf_render_settings settings = {.camera = camera};
     print.horizontal = true;
     lf_output_print_view(&print, &settings);
+    assert_true(settings.camera.rolled);
     lf_assert_close(settings.camera.up[0], 1, 1e-12, 0); /* what was right is up */
     lf_assert_close(settings.camera.up[1], 0, 0, 1e-12);
     lf_assert_close(settings.camera.aspect, 9.0 / 12, 1e-12, 0);

@@ -13,13 +13,14 @@ enum { width = 24, height = 18, n_views = 5, values = 3 * n_views * width * heig
 #define GRADIENT "'backdrop': { 'top': [1, 2, 3], 'bottom': [3, 2, 0] }"
 
 /* The picture of a scene, of a part of the window that begins at top. */
-static void render(const char *text, double top, float out[values])
+static void render_rolled(const char *text, double top, bool rolled, float out[values])
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.seed = 7;
     settings.window[1] = top;
+    settings.camera.rolled = rolled;
     settings.window[2] = settings.window[3] = 1.0;
     assert_int_equal(lf_renderer_restart(r, scene, &settings, NULL), LF_OK);
     lf_test_cycles(r, cycles);
@@ -27,6 +28,11 @@ static void render(const char *text, double top, float out[values])
     assert_int_equal(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, out, NULL), LF_OK);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
+}
+
+static void render(const char *text, double top, float out[values])
+{
+    render_rolled(text, top, false, out);
 }
 
 static void assert_everywhere(const float picture[values], double value, double tolerance)
@@ -45,6 +51,16 @@ static void an_even_backdrop_is_seen_as_it_is_said(void **state)
     assert_everywhere(picture, (double)0.7f, 1e-6);
     render("{ " RIG " }", 0.0, picture);
     assert_everywhere(picture, 0.0, 0.0);
+}
+
+/* The rows of an image on its side are not one above the other. */
+static void a_gradient_is_its_middle_in_an_image_on_its_side(void **state)
+{
+    (void)state;
+    static float picture[values];
+    render_rolled("{ " RIG ", " GRADIENT " }", 0.0, true, picture);
+    for (int i = 0; i < values; i++)
+        lf_assert_close((double)picture[i], ((const double[]){2.0, 2.0, 1.5})[i % 3], 1e-6, 1e-6);
 }
 
 /* Linear in the window's height, whatever is looked at: the film points of a visit are spread over
@@ -182,6 +198,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_even_backdrop_is_seen_as_it_is_said),
+        cmocka_unit_test(a_gradient_is_its_middle_in_an_image_on_its_side),
         cmocka_unit_test(a_gradient_is_linear_from_the_top_of_the_window_to_its_bottom),
         cmocka_unit_test(all_views_see_a_gradient_in_the_same_place),
         cmocka_unit_test(a_backdrop_stands_in_place_of_skies_and_suns),
