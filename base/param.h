@@ -57,6 +57,7 @@ typedef struct lf_param {
     /* The name that replaced this row's name and option (former.h); NULL: they are current. The row
      * is read like any other, but --help and completions leave it out. */
     const char *former;
+    const char *needs; /* the option without which this one has no effect; NULL: none */
     lf_param_type type;
     bool required; /* by lf_param_missing and lf_param_check */
     size_t place;  /* offset in the struct */

@@ -95,11 +95,13 @@ typedef struct lf_profile_names {
 /* The options --lens and --printer, and their keys. */
 extern const lf_param lf_profile_params[];
 
-/* Keys of lf_print_params that the user gave. They win over profiles. Zeroed: none. */
+/* Keys of lf_print_params that the user gave, each once. They win over profiles. Zeroed: none. */
 typedef struct lf_print_given {
     int n;
-    const char *keys[128]; /* names of rows */
+    /* names of rows, or their options if they have no name; there is room for all rows */
+    const char *keys[128];
 } lf_print_given;
+bool lf_print_is_given(const lf_print_given *given, const char *key);
 /* Adds the keys of an option's rows. */
 void lf_print_give(lf_print_given *given, const lf_param *row);
 /* The rows of lf_print_params that a JSON object has. */

@@ -30,6 +30,47 @@ lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
                         known);
 }
 
+/* The row of a key of lf_print_given. */
+static const lf_param *row_of(const char *key)
+{
+    const lf_param *row = lf_print_params;
+    while (strcmp(row->name ? row->name : row->option, key) != 0)
+        row++;
+    return row;
+}
+
+static bool is_option_given(const lf_print_given *given, const char *option)
+{
+    for (int i = 0; i < given->n; i++) {
+        const lf_param *row = row_of(given->keys[i]);
+        if (row->option && strcmp(row->option, option) == 0)
+            return true;
+    }
+    return false;
+}
+
+lf_status lf_output_check_given(const char *what, const char *reads, const lf_print_given *given,
+                                bool on_line, const char *where, lf_error *err)
+{
+    for (int i = 0; i < given->n; i++) {
+        const lf_param *row = row_of(given->keys[i]);
+        const bool is_read = !reads || !row->option || lf_param_among(row, reads);
+        char name[64], needed[64];
+        if (is_read && (!row->needs || is_option_given(given, row->needs)))
+            continue;
+        snprintf(name, sizeof name, "%s%s", on_line ? "--" : "", on_line ? row->option : row->name);
+        snprintf(needed, sizeof needed, "%s%s", on_line ? "--" : "", row->needs ? row->needs : "");
+        if (!is_read)
+            return lf_error_set(err, LF_E_ARG, on_line ? name : where,
+                                "%s%shas no effect on %s; leave it out", on_line ? "" : name,
+                                on_line ? "" : " ", what);
+        return lf_error_set(err, LF_E_ARG, on_line ? name : where,
+                            "%s%shas no effect without %s; add it, or leave this out",
+                            on_line ? "" : name, on_line ? "" : " ", needed);
+    }
+    return LF_OK;
+}
+
 /* NULL: no known ending. */
 static const char *ending_of(const lf_output_kind *kind, const char *path)
 {

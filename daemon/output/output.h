@@ -12,7 +12,7 @@
 
 #include <jansson.h>
 
-#include "quilt/prints.h"
+#include "quilt/profiles.h"
 #include "render/render.h"
 
 typedef struct lf_output_kind lf_output_kind; /* below */
@@ -112,6 +112,9 @@ struct lf_output_kind {
     int n_files;      /* 0: one per view */
     /* The number of files for this print, instead of n_files; may be NULL. */
     int (*count)(const lf_print *print);
+    /* Options of lf_print_params that have an effect, separated by blanks; NULL: all, if the kind
+     * reads a print. */
+    const char *reads;
     /* Checks print; *out_warning is static text or NULL. LF_E_ARG. NULL: the kind reads no
      * print. */
     lf_status (*check_print)(const lf_print *print, const char **out_warning, lf_error *err);
@@ -161,6 +164,12 @@ extern const lf_output_kind *const lf_output_kinds[];
 /* The kind with this name. LF_E_ARG lists the known names. */
 LF_NODISCARD lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
                                                 lf_error *err);
+/* Refuses the first print option that would silently do nothing: it is not in reads (as for
+ * lf_output_kind), or the option that it needs was not given. what: who does not use it, "a chart".
+ * on_line: names are options with dashes; otherwise keys of `where`. LF_E_ARG. */
+LF_NODISCARD lf_status lf_output_check_given(const char *what, const char *reads,
+                                             const lf_print_given *given, bool on_line,
+                                             const char *where, lf_error *err);
 /* True if the ending of path fits this kind. */
 bool lf_output_fits(const lf_output_kind *kind, const char *path);
 /* True if a file of this kind and name holds linear light instead of display codes. */

@@ -27,6 +27,8 @@ const lf_output_kind lf_output_chart = {.name = "chart",
                                         .is_drawn = true,
                                         .asks = "lpi, range, step, width and height (mm)",
                                         .n_files = 2,
+                                        .reads = "print chart print-size orientation icc bits "
+                                                 "compress mirror",
                                         .check_print = check,
                                         .file_name = output_print_file,
                                         .write = write_files};

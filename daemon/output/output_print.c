@@ -235,6 +235,10 @@ const lf_output_kind lf_output_frame_set = {.name = "frames",
                                             .option = "frame-set",
                                             .asks = "lpi, width and height (mm)",
                                             .count = count_frames,
+                                            .reads = "print print-size frame-set orientation slant "
+                                                     "lens-grid view-rows map thickness index "
+                                                     "radius viewing-angle distance bleed icc bits "
+                                                     "compress",
                                             .check_print = check_frames,
                                             .file_name = frame_file,
                                             .write = write_files,

@@ -105,6 +105,9 @@ static lf_status take_print_words(const lf_server *server, lf_export *what, cons
     print->icc_roots = &server->roots;
     if (status == LF_OK)
         status = take_profiles(server, what, params, err);
+    if (status == LF_OK)
+        status = lf_output_check_given(what->kind->what, what->kind->reads, &what->given, false,
+                                       "export", err);
     if (status != LF_OK || what->named.lens || what->named.printer)
         return status; /* the job reads them, and checks the rest */
     return lf_export_check_print(what, print, server->content, err);

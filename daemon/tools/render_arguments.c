@@ -182,6 +182,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->asked_too = kind;
     else if (kind)
         a->asked = kind;
+    if (params != lf_print_params && params != lf_profile_params && !a->of_print.other)
+        a->of_print.other = row->option;
     if (params == lf_print_params)
         lf_print_give(&a->of_print.given, kind ? lf_param_find(lf_print_params, "print") : row);
     if ((params == lf_print_params || params == lf_profile_params || params == lf_check_params) &&
@@ -287,6 +289,9 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
                             a->asked_too->option);
     if (!a->kind->check_print && a->of_print.option)
         return refuse_option(a->of_print.option, reads_print, err);
+    if (a->kind->check_print && lf_output_check_given(a->kind->what, a->kind->reads,
+                                                      &a->of_print.given, true, NULL, err) != LF_OK)
+        return LF_E_ARG;
     if (a->kind->check_print && !(a->print.width_mm > 0))
         return lf_error_set(err, LF_E_ARG, where,
                             a->asked ? "needs --print-size WxH in mm"
@@ -474,13 +479,12 @@ static lf_status take_batch(lf_render_arguments *a, lf_error *err)
 /* A photo of a chart is read, and nothing is rendered. */
 static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, lf_error *err)
 {
-    const char *other = has_scene          ? "a scene"
-                        : a->asked         ? a->asked->option
-                        : a->panel_option  ? a->panel_option
-                        : a->photo_option  ? a->photo_option
-                        : a->render_option ? a->render_option
-                        : a->stats         ? "stats"
-                                           : NULL;
+    const char *other = has_scene           ? "a scene"
+                        : a->asked          ? a->asked->option
+                        : a->of_print.other ? a->of_print.other
+                        : a->render_option  ? a->render_option
+                        : a->stats          ? "stats"
+                                            : NULL;
     if (!a->of_print.photo)
         return lf_error_set(err, LF_E_ARG, "--chart-file", "needs --read-chart PHOTO");
     if (other)
@@ -488,7 +492,8 @@ static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, 
                             has_scene ? "" : "--", other);
     if (a->out && !lf_path_has_ending(a->out, ".json"))
         return lf_error_set(err, LF_E_ARG, a->out, "must end in .json, the result of --read-chart");
-    return LF_OK;
+    return lf_output_check_given("--read-chart", "thickness index distance", &a->of_print.given,
+                                 true, NULL, err);
 }
 
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],

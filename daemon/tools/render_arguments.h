@@ -31,6 +31,7 @@ typedef struct lf_print_arguments {
     lf_profile_names profiles; /* --lens and --printer */
     lf_print_given given;      /* keys of lf_print that options gave */
     const char *option;        /* the first option that needs --print or --chart */
+    const char *other;         /* the first option that is of neither prints nor profiles */
     lf_check_arguments check;
     lf_simulate_options simulate; /* for help and completion; simulate.h reads them */
     /* --read-chart (read_chart.h): NULL = not asked; the chart's manifest, NULL = chart.json beside

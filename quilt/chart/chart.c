@@ -47,6 +47,11 @@ static lf_status check(const lf_print *print, lf_error *err)
         return lf_error_set(
             err, LF_E_ARG, "chart",
             "a chart cannot be combined with views, bleed, phase, stripes, reverse or marks");
+    if (print->optics.slant != 0.0)
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "is for straight lenses, but the sheet leans by %.6g degrees; "
+                            "expected a slant of 0",
+                            print->optics.slant);
     const lf_print_sheet *sheet = &print->sheet;
     if (sheet->columns > 1 || sheet->rows > 1 || sheet->paper_width_mm > 0.0 || sheet->label ||
         sheet->gutter_mm != 0.0 || sheet->guard > 0 || sheet->morph > 0)

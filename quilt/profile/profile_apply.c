@@ -35,29 +35,34 @@ double lf_profile_angle(double lpi, double thickness_mm, double index)
 
 /* ------------------------------------------------------------------------------------- given -- */
 
+bool lf_print_is_given(const lf_print_given *given, const char *key)
+{
+    for (int i = 0; i < given->n; i++)
+        if (strcmp(given->keys[i], key) == 0)
+            return true;
+    return false;
+}
+
+static void give(lf_print_given *given, const char *key)
+{
+    if (!lf_print_is_given(given, key) &&
+        given->n < (int)(sizeof given->keys / sizeof *given->keys))
+        given->keys[given->n++] = key;
+}
+
 void lf_print_give(lf_print_given *given, const lf_param *row)
 {
     for (const lf_param *end = lf_param_next(row); row < end; row++)
-        if (row->name && given->n < (int)(sizeof given->keys / sizeof *given->keys))
-            given->keys[given->n++] = row->name;
+        give(given, row->name ? row->name : row->option);
 }
 
 lf_print_given lf_print_given_in(const json_t *values)
 {
     lf_print_given given = {0};
     for (const lf_param *row = lf_print_params; row->name || row->option; row++)
-        if (row->name && json_object_get(values, row->name) &&
-            given.n < (int)(sizeof given.keys / sizeof *given.keys))
-            given.keys[given.n++] = row->name;
+        if (row->name && json_object_get(values, row->name))
+            give(&given, row->name);
     return given;
-}
-
-static bool is_given(const lf_print_given *given, const char *key)
-{
-    for (int i = 0; i < given->n; i++)
-        if (strcmp(given->keys[i], key) == 0)
-            return true;
-    return false;
 }
 
 /* ------------------------------------------------------------------------------------- apply -- */
@@ -75,7 +80,7 @@ typedef struct filling {
 /* A number that the profile knows, for a key that was not given. */
 static void fill(const filling *f, const char *key, double known, double *out)
 {
-    if (known != 0 && !is_given(f->given, key))
+    if (known != 0 && !lf_print_is_given(f->given, key))
         *out = known;
 }
 
@@ -102,9 +107,9 @@ static void take_sheet(filling *f)
     fill(f, "viewing_angle", lens->optics.angle, &optics->angle);
     fill(f, "slant", lens->optics.slant, &optics->slant);
     fill(f, "spot", lens->spot_mm, &f->print->blur.spot_mm);
-    if (!is_given(f->given, "lens_grid"))
+    if (!lf_print_is_given(f->given, "lens_grid"))
         optics->grid = lens->optics.grid;
-    if (lens->has_horizontal && !is_given(f->given, "orientation"))
+    if (lens->has_horizontal && !lf_print_is_given(f->given, "orientation"))
         f->print->horizontal = lens->horizontal;
     if (optics->thickness_mm > 0 || !(optics->angle > 0))
         return;
@@ -118,15 +123,15 @@ static void take_sheet(filling *f)
 static void say_sheet(filling *f)
 {
     const lf_optics *optics = &f->print->optics;
-    if (f->lens->optics.thickness_mm > 0 && !is_given(f->given, "thickness"))
+    if (f->lens->optics.thickness_mm > 0 && !lf_print_is_given(f->given, "thickness"))
         say_number(f, "thickness", optics->thickness_mm, "mm");
-    if (f->lens->optics.index > 0 && !is_given(f->given, "index"))
+    if (f->lens->optics.index > 0 && !lf_print_is_given(f->given, "index"))
         say_number(f, "index", optics->index, "");
     else if (optics->thickness_mm > 0 && !(optics->index > 0))
         say_number(f, "index unknown, taken as", lf_optics_index(optics), "");
-    if (f->lens->optics.slant != 0 && !is_given(f->given, "slant"))
+    if (f->lens->optics.slant != 0 && !lf_print_is_given(f->given, "slant"))
         say_number(f, "slant", optics->slant, "degrees");
-    if (f->lens->has_horizontal && !is_given(f->given, "orientation"))
+    if (f->lens->has_horizontal && !lf_print_is_given(f->given, "orientation"))
         say(f, f->print->horizontal ? "horizontal lenses" : "vertical lenses");
 }
 
@@ -151,7 +156,7 @@ static const lf_lens_calibration *nearest(const filling *f, int *out_n)
 static void take_measured(const filling *f, const lf_lens_calibration *c)
 {
     fill(f, "phase", c->phase_mm, &f->print->phase_mm);
-    if (!is_given(f->given, "reverse"))
+    if (!lf_print_is_given(f->given, "reverse"))
         f->print->reverse = c->reverse;
     f->print->blur.n_crosstalk = c->n_crosstalk;
     f->print->blur.crosstalk_views = c->crosstalk_views;
@@ -163,11 +168,12 @@ static lf_status take_calibration(filling *f, const lf_lens_calibration *c, int 
     lf_print *print = f->print;
     lf_optics *optics = &print->optics;
     char what[256], from[96];
-    if (!is_given(f->given, "distance") && n > 1)
+    if (!lf_print_is_given(f->given, "distance") && n > 1)
         return lf_error_set(f->err, LF_E_ARG, "--distance",
                             "is needed; %s has %d calibrations with %s, one of them for %g mm",
                             f->lens->file.name, n, f->printer->file.name, c->distance_mm);
-    const double wanted = is_given(f->given, "distance") ? optics->distance_mm : c->distance_mm;
+    const double wanted =
+        lf_print_is_given(f->given, "distance") ? optics->distance_mm : c->distance_mm;
     const bool is_same = fabs(wanted - c->distance_mm) <= SAME_MM;
     if (!is_same && !(optics->thickness_mm > 0))
         return lf_error_set(
@@ -220,7 +226,7 @@ static lf_status compute_pitch(filling *f)
 static lf_status take_pitch(filling *f)
 {
     int n = 0;
-    if (is_given(f->given, "lpi"))
+    if (lf_print_is_given(f->given, "lpi"))
         return LF_OK;
     const lf_lens_calibration *c = nearest(f, &n);
     return c ? take_calibration(f, c, n) : compute_pitch(f);
@@ -249,7 +255,8 @@ static void take_printer(const filling *f)
 {
     const lf_printer_profile *printer = f->printer;
     lf_print *print = f->print;
-    const bool raster = !is_given(f->given, "dpi"), icc = !is_given(f->given, "icc");
+    const bool raster = !lf_print_is_given(f->given, "dpi"),
+               icc = !lf_print_is_given(f->given, "icc");
     fill(f, "dot_gain", printer->dot_gain, &print->blur.dot_gain);
     fill(f, "ink_spread", printer->ink_mm, &print->blur.ink_mm);
     if (raster) {
@@ -276,10 +283,10 @@ lf_status lf_profile_apply(const lf_lens_profile *lens, const lf_printer_profile
     filling f = {
         .lens = lens, .printer = printer, .given = given, .print = print, .told = told, .err = err};
     *told = (lf_profile_told){0};
-    if (!lens && !is_given(given, "lpi"))
+    if (!lens && !lf_print_is_given(given, "lpi"))
         return lf_error_set(err, LF_E_ARG, "--printer",
                             "the pitch is unknown; name a lens, or give the pitch");
-    if (!printer && !is_given(given, "dpi"))
+    if (!printer && !lf_print_is_given(given, "dpi"))
         return lf_error_set(err, LF_E_ARG, "--lens",
                             "the raster is unknown; name a printer, or give the dpi");
     if (lens) {

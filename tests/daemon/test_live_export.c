@@ -101,6 +101,10 @@ static void a_print_and_a_chart_tell_what_they_need(void **state)
                    json_pack("{s:s, s:s, s:i, s:i, s:i}", "kind", "chart", "file", "c.tif", "lpi",
                              30, "width", 60, "height", 40),
                    "a chart needs range and step (lpi)");
+    assert_refused(&c,
+                   json_pack("{s:s, s:s, s:i, s:i, s:i, s:i}", "kind", "chart", "file", "c.tif",
+                             "lpi", 30, "width", 60, "height", 40, "slant", 3),
+                   "slant has no effect on a chart");
     live_close(&c);
     live_finish(&l);
 }

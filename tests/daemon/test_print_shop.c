@@ -146,7 +146,77 @@ static void frames_are_a_folder_and_older_ones_go(void **state)
     qr_assert_fails(&o, 2, "the name of a frame set must end in /");
     qr_run(&o, "%s -o %s/frames/ --print 60@600 --print-size 20x10 --frame-set 150 --marks",
            f->quilt, f->folder);
-    qr_assert_fails(&o, 2, "does not go with marks");
+    qr_assert_fails(&o, 2, "--marks: has no effect on a frame set");
+}
+
+/* Every option of this kind of print that would do nothing is named. */
+static void assert_refused(const char *line, const char *const *options, const char *why)
+{
+    qr_outcome o;
+    char words[256], expected[512];
+    for (int i = 0; options[i]; i++) {
+        qr_run(&o, "%s %s", line, options[i]);
+        snprintf(words, sizeof words, "%s", options[i]);
+        words[strcspn(words, " ")] = '\0';
+        snprintf(expected, sizeof expected, "%s: has no effect %s", words, why);
+        qr_assert_fails(&o, 2, expected);
+    }
+}
+
+static void options_that_would_do_nothing_are_named(void **state)
+{
+    static const char *const chart[] = {"--slant 10",
+                                        "--relief",
+                                        "--lens-grid square",
+                                        "--view-rows 2",
+                                        "--phase-down 1",
+                                        "--map exact",
+                                        "--thickness 1",
+                                        "--index 1.5",
+                                        "--radius 1",
+                                        "--viewing-angle 40",
+                                        "--distance 400",
+                                        "--spot 0.1",
+                                        "--dot-gain 0.1",
+                                        "--ink-spread 0.01",
+                                        "--compensate on",
+                                        "--headroom 0.1",
+                                        "--guard-kind white",
+                                        "--label-size 3",
+                                        "--frame-set 100",
+                                        "--gutter 2",
+                                        "--marks",
+                                        NULL};
+    static const char *const frames[] = {"--gutter 2",
+                                         "--stripes nearest",
+                                         "--guard-kind white",
+                                         "--spot 0.1",
+                                         "--ink-spread 0.01",
+                                         "--headroom 0.1",
+                                         "--compensate on",
+                                         "--phase 1",
+                                         "--label-size 3",
+                                         "--mirror",
+                                         NULL};
+    static const char *const lonely[][3] = {{"--headroom 0.1", NULL, "without --compensate"},
+                                            {"--gutter 2", NULL, "without --copies"},
+                                            {"--label-size 3", NULL, "without --label"},
+                                            {"--guard-kind white", NULL, "without --guard"}};
+    const qr_files *f = *state;
+    char line[2 * PATH_MAX];
+    snprintf(line, sizeof line, "-o %s/none.tif --chart 60+-0.5/0.1@600 --print-size 60x60",
+             f->folder);
+    assert_refused(line, chart, "on a chart");
+    snprintf(line, sizeof line,
+             "%s -o %s/none/ --print 60@600 --print-size 20x10 --views 3 --frame-set 150", f->quilt,
+             f->folder);
+    assert_refused(line, frames, "on a frame set");
+    snprintf(line, sizeof line, "%s -o %s/none.tif --print 60@600 --print-size 20x10 --views 3",
+             f->quilt, f->folder);
+    for (size_t i = 0; i < sizeof lonely / sizeof *lonely; i++)
+        assert_refused(line, lonely[i], lonely[i][2]);
+    assert_false(qr_exists(f->folder, "none.tif"));
+    qr_succeed("%s --label a --label-size 3 --check off", line);
 }
 
 static void frames_of_a_scene_are_rendered_at_their_size(void **state)
@@ -173,6 +243,7 @@ int main(void)
         cmocka_unit_test(a_print_is_a_pdf_by_its_name),
         cmocka_unit_test(a_relief_lies_beside_its_print),
         cmocka_unit_test(frames_are_a_folder_and_older_ones_go),
+        cmocka_unit_test(options_that_would_do_nothing_are_named),
         cmocka_unit_test(frames_of_a_scene_are_rendered_at_their_size),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);

@@ -137,6 +137,11 @@ static void mistakes_are_told(void **state)
         {"--read-chart photo.jpg --chart-file sound.json -o out.tif", "must end in .json"},
         {"scene.json --read-chart photo.jpg", "cannot be combined with a scene"},
         {"--read-chart photo.jpg --print 60@600", "cannot be combined with --print"},
+        {"--read-chart photo.jpg --preset portrait", "cannot be combined with --preset"},
+        {"--read-chart photo.jpg --check off", "cannot be combined with --check"},
+        {"--read-chart photo.jpg --stereo", "cannot be combined with --stereo"},
+        {"--read-chart photo.jpg --slant 3", "--slant: has no effect on --read-chart"},
+        {"--read-chart photo.jpg --bleed 3", "--bleed: has no effect on --read-chart"},
         {"--read-chart photo.jpg --spp 4", "cannot be combined with --spp"},
         {"--read-chart photo.jpg --chart-file sound.json --lens none", "there is no such lens"},
     };

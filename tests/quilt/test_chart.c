@@ -318,6 +318,7 @@ static void charts_that_cannot_be_are_refused(void **state)
     p = sound, p.lpi = 5.2, refuses(p, "at least 5 lpi");
     p = sound, p.dpi = 100, refuses(p, "at least 2 per line");
     p = sound, p.bleed_mm = 3.0, refuses(p, "bleed");
+    p = sound, p.optics.slant = 12.0, refuses(p, "straight lenses");
     p = sound, p.n_views = 4, refuses(p, "views");
     p = sound, p.height_mm = 20.0, refuses(p, "11 bands");
     p = sound, p.chart_step = 1e-4, refuses(p, "bands");
