@@ -144,6 +144,18 @@ char *lf_path_folder(const char *path)
     return folder ? memcpy(folder, path, n) : NULL;
 }
 
+char *lf_path_beside(const char *path, const char *ending)
+{
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    const size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
+    char *name = lf_calloc(stem + strlen(ending) + 1, 1);
+    if (name) {
+        memcpy(name, path, stem);
+        memcpy(name + stem, ending, strlen(ending));
+    }
+    return name;
+}
+
 bool lf_path_has_ending(const char *path, const char *ending)
 {
     size_t n = strlen(path), m = strlen(ending);

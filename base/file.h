@@ -24,6 +24,9 @@ LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uin
 char *lf_path_join(const char *folder, const char *relative);
 /* The folder of a path ("." if it has none); caller frees. */
 char *lf_path_folder(const char *path);
+/* The name of a file beside another: "sheet.json" for "sheet.tif" and ".json". A name without an
+ * ending gets one; caller frees. NULL = out of memory. */
+char *lf_path_beside(const char *path, const char *ending);
 /* True if a path ends in `ending` (".png"), in any case. */
 bool lf_path_has_ending(const char *path, const char *ending);
 

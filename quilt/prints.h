@@ -301,9 +301,10 @@ char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_
  * cuts. print must have passed lf_print_check. */
 double lf_print_lenses(const lf_print *print);
 
-/* Checks that the disk has room for the file, so that nobody renders in vain. A compressed file
- * counts as a tenth of its raster. path: its name, in a folder that exists. print must have passed
- * lf_print_check. LF_E_IO: it does not fit. */
+/* Checks that the disk has room for the whole page, or for all frames of a set, so that nobody
+ * renders in vain. A compressed file counts as a tenth of its raster. path: its name, in a folder
+ * that exists. print must have passed lf_print_check. LF_E_IO: it does not fit. LF_E_ARG: the page
+ * cannot be laid out. */
 LF_NODISCARD lf_status lf_print_check_room(const lf_print *print, lf_print_format format,
                                            const char *path, lf_error *err);
 

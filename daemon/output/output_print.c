@@ -74,23 +74,9 @@ void lf_output_print_rig(const lf_print *print, lf_camera *camera)
     camera->own_windows = false;
 }
 
-/* A name beside OUT.tif: its stem with another end. */
-static char *beside(const char *path, const char *end)
-{
-    const char *slash = strrchr(path, '/');
-    const char *dot = strrchr(path, '.');
-    size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
-    char *name = lf_calloc(stem + strlen(end) + 1, 1);
-    if (name) {
-        memcpy(name, path, stem);
-        memcpy(name + stem, end, strlen(end));
-    }
-    return name;
-}
-
 char *output_print_file(const char *path, int i)
 {
-    return i == 0 ? lf_strdup(path) : beside(path, i == 1 ? ".json" : "_relief.tif");
+    return i == 0 ? lf_strdup(path) : lf_path_beside(path, i == 1 ? ".json" : "_relief.tif");
 }
 
 static int count_files(const lf_print *print)

@@ -22,22 +22,9 @@ const lf_param lf_check_params[] = {
     {0},
 };
 
-/* sheet.check.txt for sheet.tif. */
-static char *beside(const char *path, const char *ending)
-{
-    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
-    const size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
-    char *name = lf_calloc(stem + strlen(ending) + 1, 1);
-    if (name) {
-        memcpy(name, path, stem);
-        memcpy(name + stem, ending, strlen(ending));
-    }
-    return name;
-}
-
 static lf_status write_text(const char *path, const char *ending, const char *text, lf_error *err)
 {
-    char *name = beside(path, ending);
+    char *name = lf_path_beside(path, ending);
     const lf_status status = name && text ? lf_outfile_text(name, text, err)
                                           : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     lf_free(name);
@@ -62,7 +49,7 @@ static char *json_text(const lf_print_report *report)
 
 static lf_status write_sheet(const char *path, const lf_print_report *report, lf_error *err)
 {
-    char *name = beside(path, ".job.pdf");
+    char *name = lf_path_beside(path, ".job.pdf");
     lf_outfile file = {0};
     lf_status status = name ? lf_outfile_open(&file, name, true, err)
                             : lf_error_set(err, LF_E_NOMEM, path, "out of memory");

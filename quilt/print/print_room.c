@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "quilt/print/print.h"
+#include "quilt/print/sheet.h"
 
 /* The least share of the raster that a compressed file has: less is a blank page. */
 #define COMPRESSED 0.1
@@ -36,18 +37,40 @@ lf_status lf_print_room_for(const lf_print *print, lf_print_format format, doubl
                  err);
 }
 
+/* Pixels of the whole page, with copies, labels, marks and paper. */
+static lf_status count_pixels(const lf_print *print, double *out, lf_error *err)
+{
+    lf_print_shape shape;
+    lf_sheet sheet;
+    lf_print_shape_of(print, &shape);
+    const lf_status status = lf_sheet_init(&sheet, print, &shape, err);
+    if (status == LF_OK)
+        *out = (double)sheet.width * sheet.height;
+    lf_sheet_finish(&sheet);
+    return status;
+}
+
+/* The disk of a file's folder, or of the one in which the folder is made. */
+static bool find_disk(const char *path, struct statvfs *out)
+{
+    char *folder = lf_path_folder(path), *parent = folder ? lf_path_folder(folder) : NULL;
+    const bool known = parent && (statvfs(folder, out) == 0 || statvfs(parent, out) == 0);
+    lf_free(folder);
+    lf_free(parent);
+    return known;
+}
+
 lf_status lf_print_check_room(const lf_print *print, lf_print_format format, const char *path,
                               lf_error *err)
 {
-    lf_print_shape shape;
+    const bool is_set = print->frame_ppi > 0.0;
+    const lf_print page = is_set ? lf_frame_set_print(print) : *print;
     struct statvfs disk;
-    char *folder = lf_path_folder(path);
-    const bool known = folder && statvfs(folder, &disk) == 0;
-    lf_free(folder);
-    if (!known)
-        return LF_OK;
-    lf_print_shape_of(print, &shape);
-    const double pixels = ((double)shape.raster_width + 2.0 * shape.margin_px) *
-                          ((double)shape.raster_height + 2.0 * shape.margin_down_px);
-    return check(&disk, least_bytes(print, format, pixels * 3.0 * print->bits / 8.0), path, err);
+    double pixels;
+    const bool known = find_disk(path, &disk);
+    const lf_status status = count_pixels(&page, &pixels, err);
+    if (status != LF_OK || !known)
+        return status;
+    const double bytes = pixels * 3.0 * print->bits / 8.0 * (is_set ? print->n_views : 1);
+    return check(&disk, least_bytes(print, is_set ? LF_PRINT_TIFF : format, bytes), path, err);
 }

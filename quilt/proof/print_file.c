@@ -242,20 +242,6 @@ lf_status lf_print_file_row(lf_print_file *file, int y, float *out, lf_error *er
 
 /* ---------------------------------------------------------------------------------- manifest -- */
 
-/* "sheet.json" for "sheet.tif"; the caller frees. NULL: out of memory. */
-static char *manifest_name(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
-    const size_t stem =
-        dot && dot > (slash ? slash + 1 : path) ? (size_t)(dot - path) : strlen(path);
-    char *name = lf_calloc(stem + sizeof ".json", 1);
-    if (name) {
-        memcpy(name, path, stem);
-        memcpy(name + stem, ".json", sizeof ".json");
-    }
-    return name;
-}
-
 static lf_status parse_manifest(const char *name, const char *text, size_t size, json_t **out,
                                 lf_error *err)
 {
@@ -277,7 +263,7 @@ static lf_status parse_manifest(const char *name, const char *text, size_t size,
 lf_status lf_print_file_manifest(const char *path, const lf_roots *roots, json_t **out,
                                  lf_error *err)
 {
-    char *name = manifest_name(path), *text = NULL;
+    char *name = lf_path_beside(path, ".json"), *text = NULL;
     size_t size = 0;
     lf_status status = LF_OK;
     if (!name)

@@ -239,6 +239,13 @@ static void assert_folder(const char *path, const char *expected)
     lf_free(folder);
 }
 
+static void assert_beside(const char *path, const char *expected)
+{
+    char *name = lf_path_beside(path, ".json");
+    assert_string_equal(name, expected);
+    lf_free(name);
+}
+
 static void names_are_joined_and_taken_apart(void **state)
 {
     (void)state;
@@ -247,6 +254,9 @@ static void names_are_joined_and_taken_apart(void **state)
     assert_joined("/", "b", "/b");
     assert_joined("a", "/b", "/b");
     assert_joined("", "b", "b");
+    assert_beside("a/sheet.tif", "a/sheet.json");
+    assert_beside("a.b/sheet", "a.b/sheet.json");
+    assert_beside("sheet.v2.tif", "sheet.v2.json");
     assert_folder("a/b", "a");
     assert_folder("/b", "/");
     assert_folder("b", ".");

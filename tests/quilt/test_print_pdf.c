@@ -332,6 +332,21 @@ static void a_disk_without_room_is_told_before_the_first_row(void **state)
     assert_int_equal(
         lf_print_check_room(&print, LF_PRINT_TIFF, lf_test_path(*state, "a.tif"), &err), LF_E_IO);
     assert_non_null(strstr(err.what, "needs 429 GB"));
+    /* all copies, and all frames of a set, whose folder is not there yet */
+    print.width_mm = print.height_mm = 30;
+    print.bleed_mm = 0;
+    print.compress = LF_COMPRESS_NONE;
+    print.sheet.columns = print.sheet.rows = 100;
+    assert_int_equal(
+        lf_print_check_room(&print, LF_PRINT_TIFF, lf_test_path(*state, "a.tif"), &err), LF_E_IO);
+    print.sheet = (lf_print_sheet){0};
+    lf_print frames = print;
+    frames.frame_ppi = 600;
+    frames.width_mm = frames.height_mm = 1000;
+    frames.n_views = 1920;
+    assert_int_equal(lf_print_check_room(&frames, LF_PRINT_TIFF, lf_test_path(*state, "f/"), &err),
+                     LF_E_IO);
+    assert_non_null(strstr(err.what, "needs 6.43e+03 GB"));
     print.width_mm = print.height_mm = 1;
     lf_assert_ok(lf_print_check_room(&print, LF_PRINT_TIFF, lf_test_path(*state, "a.tif"), &err),
                  &err);
