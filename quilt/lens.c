@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#define RADIANS (3.14159265358979323846 / 180.0)
 /* The solution is exact to a millionth of this, in units of place. */
 #define CLOSE 1e-7
 #define MAX_STEPS 20
@@ -74,6 +73,16 @@ lf_lens lf_lens_of_panel(const lf_calibration *c, lf_invert invert)
 
 /* ------------------------------------------------------------------------------------- print -- */
 
+double lf_print_cos(const lf_print *print)
+{
+    return cos(print->optics.slant * LF_DEGREE);
+}
+
+double lf_print_sin(const lf_print *print)
+{
+    return sin(print->optics.slant * LF_DEGREE);
+}
+
 static lf_lens lens_of(const lf_print *print, double right, double down, double phase_mm,
                        double pitch_mm)
 {
@@ -88,22 +97,24 @@ static lf_lens lens_of(const lf_print *print, double right, double down, double 
     lens.thickness = o->thickness_mm;
     lens.index = lf_optics_index(o);
     lens.distance = o->distance_mm;
-    lens.scale *= 1.0 + lens.thickness / (lens.index * lens.distance);
+    lens.scale *= lf_lens_enlargement_of(print);
     return lens;
 }
 
 lf_lens lf_lens_of_print(const lf_print *print)
 {
-    const double slant = print->optics.slant * RADIANS, pitch_mm = 25.4 / print->lpi;
-    const double turned = print->horizontal ? -sin(slant) : cos(slant),
-                 other = print->horizontal ? cos(slant) : sin(slant);
+    const double pitch_mm = 25.4 / print->lpi, cosine = lf_print_cos(print),
+                 sine = lf_print_sin(print);
+    const double turned = print->horizontal ? -sine : cosine,
+                 other = print->horizontal ? cosine : sine;
     return lens_of(print, turned, other, print->phase_mm, pitch_mm);
 }
 
 lf_lens lf_lens_of_print_rows(const lf_print *print)
 {
-    const double slant = print->optics.slant * RADIANS, pitch_mm = 25.4 / print->lpi;
+    const double pitch_mm = 25.4 / print->lpi;
     const double row_mm =
         print->optics.grid == LF_LENS_HEXAGONAL ? pitch_mm * sqrt(0.75) : pitch_mm;
-    return lens_of(print, -sin(slant), cos(slant), print->optics.phase_down_mm, row_mm);
+    return lens_of(print, -lf_print_sin(print), lf_print_cos(print), print->optics.phase_down_mm,
+                   row_mm);
 }

@@ -42,6 +42,28 @@ double lf_lens_phase(const lf_lens *lens, double x, double y, int channel);
  * the point of the lens plane through which the eye sees it, by Snell's law; 1 without a map. */
 double lf_lens_factor(const lf_lens *lens, double radius);
 
+#define LF_DEGREE (3.14159265358979323846 / 180.0) /* in radians */
+
+/* By how much a sheet's lines on the print are wider than its lenses, for an eye at this distance:
+ * 1 + t / (n D), from rays through the top of a lens. Distances of 0 are infinite: 1. */
+static inline double lf_lens_enlargement(double thickness, double index, double distance)
+{
+    return distance > 0.0 ? 1.0 + thickness / (index * distance) : 1.0;
+}
+
+/* The same for a print; 1 if thickness or distance is unknown. */
+static inline double lf_lens_enlargement_of(const lf_print *print)
+{
+    const lf_optics *o = &print->optics;
+    return o->thickness_mm > 0.0
+               ? lf_lens_enlargement(o->thickness_mm, lf_optics_index(o), o->distance_mm)
+               : 1.0;
+}
+
+/* Cosine and sine of the slant; exactly 1 and 0 without one. */
+double lf_print_cos(const lf_print *print);
+double lf_print_sin(const lf_print *print);
+
 /* Panels: x in panel widths from the left, y in panel heights from the bottom, both at the middle
  * of the pixel. With subpixel cells, channel is 0 and the caller adds the cell's offsets. */
 lf_lens lf_lens_of_panel(const lf_calibration *calibration, lf_invert invert);

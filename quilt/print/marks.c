@@ -73,9 +73,10 @@ static bool within(double x, double from, double to)
 /* Where a lens of phase 0 is, across, at this distance along it. */
 static double middle_lens(const lf_marks *marks, double along)
 {
-    const double slant = marks->print->optics.slant * (M_PI / 180.0);
     const double side = marks->horizontal ? -along : along;
-    return marks->straight ? marks->phase : (marks->phase - side * sin(slant)) / cos(slant);
+    return marks->straight
+               ? marks->phase
+               : (marks->phase - side * lf_print_sin(marks->print)) / lf_print_cos(marks->print);
 }
 
 /* The nearest line of an alignment strip, across. */
@@ -85,8 +86,7 @@ static double strip_line(const lf_marks *marks, double across, double along)
         return marks->phase + marks->pitch * round((across - marks->phase) / marks->pitch);
     const double phase = marks->horizontal ? lf_lens_phase(&marks->lens, along, across, 0)
                                            : lf_lens_phase(&marks->lens, across, along, 0);
-    const double lean = cos(marks->print->optics.slant * (M_PI / 180.0));
-    return across - (phase - round(phase)) * marks->pitch / lean;
+    return across - (phase - round(phase)) * marks->pitch / lf_print_cos(marks->print);
 }
 
 /* Ink beyond the ends of the lenses; out: distance from the last bleed or label. */

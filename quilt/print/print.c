@@ -19,18 +19,6 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
     return buf;
 }
 
-#define RADIANS (3.14159265358979323846 / 180.0)
-
-double lf_print_cos(const lf_print *print)
-{
-    return cos(print->optics.slant * RADIANS);
-}
-
-double lf_print_sin(const lf_print *print)
-{
-    return sin(print->optics.slant * RADIANS);
-}
-
 double lf_print_pixels_per_lens(const lf_print *print)
 {
     const double across = lf_print_dpi_across(print) / print->lpi;

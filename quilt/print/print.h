@@ -12,6 +12,7 @@
 #include <jansson.h>
 
 #include "quilt/axis.h"
+#include "quilt/lens.h"
 #include "quilt/photo.h"
 #include "quilt/print/pdf.h"
 #include "quilt/prints.h"
@@ -38,10 +39,6 @@ static inline double lf_print_pitch_mm(const lf_print *print)
 {
     return 25.4 / print->lpi;
 }
-
-/* Cosine and sine of the slant; exactly 1 and 0 without one. */
-double lf_print_cos(const lf_print *print);
-double lf_print_sin(const lf_print *print);
 
 /* True if all rows (columns) have the same stripes. */
 static inline bool lf_print_is_separable(const lf_print *print)

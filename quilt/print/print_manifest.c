@@ -209,8 +209,7 @@ static json_t *optics_part(const lf_print *print, const json_t *options)
 {
     const lf_optics *o = &print->optics;
     const bool has_optics = o->thickness_mm > 0.0 && o->distance_mm > 0.0;
-    const double enlarged =
-        has_optics ? 1.0 + o->thickness_mm / (lf_optics_index(o) * o->distance_mm) : 0.0;
+    const double enlarged = has_optics ? lf_lens_enlargement_of(print) : 0.0;
     return json_pack("{s:f, s:O, s:s, s:o, s:o, s:b, s:o, s:o, s:o}", "slant", o->slant, "grid",
                      json_object_get(options, "lens_grid"), "map",
                      lf_print_is_exact(print) ? "exact" : "uniform", "thickness_mm",

@@ -11,7 +11,7 @@
  * cell. */
 static double thickness_of_angle(double angle, double pitch, double index)
 {
-    return 0.5 * pitch / tan(asin(sin(0.5 * angle * M_PI / 180.0) / index));
+    return 0.5 * pitch / tan(asin(sin(0.5 * angle * LF_DEGREE) / index));
 }
 
 static void choose_radius(lf_relief *relief)
@@ -43,12 +43,10 @@ lf_status lf_relief_of(const lf_print *print, lf_relief *out, lf_error *err)
 {
     const lf_optics *o = &print->optics;
     lf_relief relief = {.print = print,
-                        .pitch_mm = lf_print_pitch_mm(print),
+                        .pitch_mm = lf_print_pitch_mm(print) / lf_lens_enlargement_of(print),
                         .is_mechanical = o->thickness_mm > 0.0 && o->distance_mm > 0.0,
                         .cosine = lf_print_cos(print),
                         .sine = lf_print_sin(print)};
-    if (relief.is_mechanical)
-        relief.pitch_mm /= 1.0 + o->thickness_mm / (lf_optics_index(o) * o->distance_mm);
     choose_radius(&relief);
     relief.reach_mm = reach_of(&relief);
     if (!relief.from)

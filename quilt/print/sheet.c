@@ -78,7 +78,7 @@ static axis axis_of(const lf_print *print, const lf_print_shape *shape, const lf
 {
     const lf_optics *o = &print->optics;
     const bool across = o->grid != LF_LENS_LINEAR || down == print->horizontal;
-    const double lean = cos(o->slant * (M_PI / 180.0));
+    const double lean = lf_print_cos(print);
     axis a = {.n = down ? sheet->n_rows : sheet->n_columns,
               .pixel = 25.4 / (down ? lf_print_dpi_down(print) : print->dpi),
               .size = (down ? print->height_mm + lf_sheet_band(sheet) : print->width_mm) +
@@ -115,7 +115,7 @@ static double put(const axis *a, int n_page, double *middle, int *out_first)
 static void place_copies(lf_sheet *sheet, const lf_print *print, const axis *right,
                          const axis *down)
 {
-    const double slant = print->optics.slant * (M_PI / 180.0), pitch = sheet->mechanical_mm;
+    const double sine = lf_print_sin(print), pitch = sheet->mechanical_mm;
     for (int i = 0; i < sheet->n_rows * sheet->n_columns; i++) {
         lf_copy *copy = &sheet->copies[i];
         const int column = units_of(right, i % sheet->n_columns),
@@ -123,12 +123,12 @@ static void place_copies(lf_sheet *sheet, const lf_print *print, const axis *rig
         copy->right_mm = column * right->unit;
         copy->down_mm = row * down->unit;
         copy->lens = print->horizontal ? row : column;
-        if (slant == 0.0 || print->optics.grid != LF_LENS_LINEAR)
+        if (print->optics.slant == 0.0 || print->optics.grid != LF_LENS_LINEAR)
             continue;
         /* the lens whose axis is nearest to the copy's middle goes through it */
         const double along = print->horizontal ? -copy->right_mm : copy->down_mm;
-        copy->lens += (int)lround(along * sin(slant) / pitch);
-        const double across = (copy->lens * pitch - along * sin(slant)) / cos(slant);
+        copy->lens += (int)lround(along * sine / pitch);
+        const double across = (copy->lens * pitch - along * sine) / lf_print_cos(print);
         *(print->horizontal ? &copy->down_mm : &copy->right_mm) = across;
     }
 }
@@ -159,12 +159,8 @@ static lf_status page_of(const lf_print *print, const axis *a, double farthest, 
 static void mechanical_pitch(lf_sheet *sheet, const lf_print *print)
 {
     const lf_optics *o = &print->optics;
-    const double visual = 25.4 / print->lpi;
     sheet->mechanical_known = o->thickness_mm > 0.0 && o->distance_mm > 0.0;
-    sheet->mechanical_mm =
-        sheet->mechanical_known
-            ? visual / (1.0 + o->thickness_mm / (lf_optics_index(o) * o->distance_mm))
-            : visual;
+    sheet->mechanical_mm = lf_print_pitch_mm(print) / lf_lens_enlargement_of(print);
 }
 
 static void find_extent(const lf_sheet *sheet, double *out_right, double *out_down)

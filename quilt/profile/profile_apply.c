@@ -3,34 +3,30 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "quilt/lens.h"
 #include "quilt/profile/profile.h"
 
 /* Distances that differ by less are one. */
 #define SAME_MM 0.05
-#define RADIANS (0.017453292519943295)
 
 /* ------------------------------------------------------------------------------------ optics -- */
 
-static double stretch(double distance_mm, double thickness_mm, double index)
-{
-    return distance_mm > 0 ? 1 + thickness_mm / (index * distance_mm) : 1;
-}
-
 double lf_profile_pitch(double lpi, double from_mm, double to_mm, double thickness_mm, double index)
 {
-    return lpi * stretch(from_mm, thickness_mm, index) / stretch(to_mm, thickness_mm, index);
+    return lpi * lf_lens_enlargement(thickness_mm, index, from_mm) /
+           lf_lens_enlargement(thickness_mm, index, to_mm);
 }
 
 double lf_profile_thickness(double lpi, double angle, double index)
 {
-    const double inside = asin(sin(0.5 * angle * RADIANS) / index);
+    const double inside = asin(sin(0.5 * angle * LF_DEGREE) / index);
     return 0.5 * (25.4 / lpi) / tan(inside);
 }
 
 double lf_profile_angle(double lpi, double thickness_mm, double index)
 {
     const double sine = index * sin(atan(0.5 * (25.4 / lpi) / thickness_mm));
-    return sine < 1 ? 2 * asin(sine) / RADIANS : 180;
+    return sine < 1 ? 2 * asin(sine) / LF_DEGREE : 180;
 }
 
 /* ------------------------------------------------------------------------------------- given -- */

@@ -232,7 +232,8 @@ static void release(sight *s)
 static void set_weights(sight *s)
 {
     const lf_proof_sheet *sheet = s->sheet;
-    const double magnified = 1.0 + sheet->thickness_mm / (sheet->index * s->eye.distance_mm);
+    const double magnified =
+        lf_lens_enlargement(sheet->thickness_mm, sheet->index, s->eye.distance_mm);
     const double right = fabs(sheet->right) * s->pixel_mm[0],
                  down = fabs(sheet->down) * s->pixel_mm[1];
     s->visual_mm = sheet->pitch_mm * magnified;

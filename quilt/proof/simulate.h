@@ -44,6 +44,8 @@ typedef struct lf_proof_sheet {
  * width_mm and height_mm must be set. notes (may be NULL) get a line for each number that is
  * assumed: thickness, distance. */
 void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_notes *notes);
+/* Pitch of the sheet's lines on the print for an eye at this distance. */
+double lf_proof_visual_mm(const lf_proof_sheet *sheet, double distance_mm);
 /* From the middle of one view to that of the next, in eye positions at this distance, and over all
  * views until they repeat. */
 double lf_proof_view_step(const lf_proof_sheet *sheet, double distance_mm);

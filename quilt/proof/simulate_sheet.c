@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "quilt/lens.h"
 #include "quilt/profiles.h"
 #include "quilt/proof/simulate.h"
 
 #define MM_PER_INCH 25.4
-#define RADIANS (3.14159265358979323846 / 180.0)
 
 static double spot_of(const lf_print *print, int n_views)
 {
@@ -28,7 +28,7 @@ static int views_of(const lf_print *print)
 void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_notes *notes)
 {
     const lf_optics *o = &print->optics;
-    const double slant = o->slant * RADIANS, visual_mm = MM_PER_INCH / print->lpi;
+    const double slant = o->slant * LF_DEGREE, visual_mm = MM_PER_INCH / print->lpi;
     const double index = lf_optics_index(o);
     const double angle = o->angle > 0.0 ? o->angle : LF_PROOF_ANGLE;
     const double thickness =
@@ -47,7 +47,7 @@ void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_note
             distance);
     const int n_views = views_of(print);
     *out = (lf_proof_sheet){
-        .pitch_mm = visual_mm / (1.0 + thickness / (index * distance)),
+        .pitch_mm = visual_mm / lf_lens_enlargement(thickness, index, distance),
         .right = print->horizontal ? -sin(slant) : cos(slant),
         .down = print->horizontal ? cos(slant) : sin(slant),
         .horizontal = print->horizontal,
@@ -68,11 +68,15 @@ void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_note
     };
 }
 
+double lf_proof_visual_mm(const lf_proof_sheet *sheet, double distance_mm)
+{
+    return sheet->pitch_mm * lf_lens_enlargement(sheet->thickness_mm, sheet->index, distance_mm);
+}
+
 double lf_proof_view_range(const lf_proof_sheet *sheet, double distance_mm)
 {
-    const double visual =
-        sheet->pitch_mm * (1.0 + sheet->thickness_mm / (sheet->index * distance_mm));
-    return visual * sheet->index * distance_mm / sheet->thickness_mm;
+    return lf_proof_visual_mm(sheet, distance_mm) * sheet->index * distance_mm /
+           sheet->thickness_mm;
 }
 
 double lf_proof_view_step(const lf_proof_sheet *sheet, double distance_mm)

@@ -57,8 +57,7 @@ lf_own_view lf_proof_own_view(const lf_print *print, const lf_proof_sheet *sheet
 
 double lf_proof_drift(const lf_print *print, const lf_proof_sheet *sheet, double distance_mm)
 {
-    const double seen =
-        sheet->pitch_mm * (1.0 + sheet->thickness_mm / (sheet->index * distance_mm));
+    const double seen = lf_proof_visual_mm(sheet, distance_mm);
     const double across = sheet->horizontal ? sheet->height_mm : sheet->width_mm;
     return across * fabs(1.0 / seen - print->lpi / MM_PER_INCH);
 }
