@@ -337,6 +337,9 @@ LF_NODISCARD lf_status lf_frame_set_write(const lf_print *print, const lf_views3
                                           const lf_print_run *run, lf_outfile *files,
                                           lf_error *err);
 
+/* Views under a lens in the patches of a chart, whose crosstalk is read. */
+enum { LF_CHART_CODES = 8 };
+
 /* Writes a pitch test chart (quilt/chart/chart.h) of the print's size and its manifest, like
  * lf_print_write. exposure and tonemap of run are not used. LF_E_ARG as for lf_print_check, and if
  * a chart has no room for its bands; other errors of lf_print_write. */

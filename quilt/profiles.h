@@ -25,7 +25,6 @@ enum {
     LF_PROFILE_BYTES = 256 << 10, /* of a file, at most */
     LF_PROFILE_CALIBRATIONS = 64, /* of a lens, at most */
     LF_PROFILE_NATIVE = 16,       /* native resolutions of a printer, at most */
-    LF_PROFILE_CHART_VIEWS = 8,   /* views under a lens in charts */
     LF_PROFILE_ENTRIES = 1000,    /* files of a folder that are listed, at most */
 };
 

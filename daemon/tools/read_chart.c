@@ -130,7 +130,8 @@ static void print_reading(const lf_render_arguments *a, const manifest *chart,
                           : r->is_reversed ? "reversed: print with --reverse"
                                            : "normal");
     if (r->n_crosstalk > 0) {
-        printf("views  of %d, from %d left to %d right:", 8, LF_CHART_KERNEL, LF_CHART_KERNEL);
+        printf("views  of %d, from %d left to %d right:", LF_CHART_CODES, LF_CHART_KERNEL,
+               LF_CHART_KERNEL);
         for (int i = 0; i < r->n_crosstalk; i++)
             printf(" %.2f", r->crosstalk[i]);
         printf("\n");

@@ -548,6 +548,15 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
 }
 
+/* Profiles have no word for --print. */
+static void explain_print(lf_error *err)
+{
+    const size_t used = err ? strlen(err->what) : 0;
+    if (err && strcmp(err->where, "--print") == 0)
+        snprintf(err->what + used, sizeof err->what - used,
+                 "; without --print, --lens and --printer give both");
+}
+
 lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a,
                                     bool *out_done, lf_error *err)
 {
@@ -580,5 +589,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
     lf_param_defaults(lf_video_params, &a->video);
     lf_param_defaults(lf_standing_params, &a->options.standing);
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+    if (status != LF_OK)
+        explain_print(err);
     return status != LF_OK || *out_done ? status : check_arguments(a, argc, argv, err);
 }

@@ -23,7 +23,6 @@
 
 #define LF_CHART_GAP 0.1      /* below each band, as a fraction of it */
 #define LF_CHART_TAG_CELLS 10 /* of a tag with its white border */
-#define LF_CHART_CODES 8
 
 enum { LF_CHART_TAGS = 6 };
 

@@ -63,8 +63,8 @@ lf_status lf_flip_check(const lf_print *print, int n_images, const char *where, 
     if (guard == 0 || (int64_t)n_frames * (1 + guard) <= print->n_views)
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, where,
-                        "%d frames with %d guard stripes each need %lld stripes per lens; it has "
-                        "%d; use fewer guards, frames or lenses per inch",
+                        "guard: %d frames with %d guard stripes each need %lld stripes per lens, "
+                        "but it has %d; use fewer of them",
                         n_frames, guard, (long long)n_frames * (1 + guard), print->n_views);
 }
 

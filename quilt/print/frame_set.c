@@ -33,17 +33,19 @@ lf_status lf_frame_set_check(const lf_print *print, lf_error *err)
 {
     const lf_print_sheet *sheet = &print->sheet;
     const bool is_laid = sheet->columns * sheet->rows > 1 || sheet->paper_width_mm > 0.0;
-    const char *wrong = lf_print_is_micro(print)  ? "micro lens sheets, with views in two axes"
-                        : is_laid || sheet->label ? "copies, paper and labels"
-                        : sheet->guard > 0 || sheet->morph > 0
-                            ? "guards and morphs, which the shop makes"
-                        : print->marks   ? "marks"
-                        : print->mirror  ? "mirroring; the shop mirrors its interlaced file"
-                        : print->reverse ? "reversing; the order is in order.txt"
-                        : print->relief  ? "a relief"
-                                         : NULL;
+    const char *wrong = lf_print_is_micro(print) ? "lens-grid square or hexagonal"
+                        : is_laid                ? "copies and paper"
+                        : sheet->label           ? "label"
+                        : sheet->guard > 0       ? "guard"
+                        : sheet->morph > 0       ? "morph"
+                        : print->marks           ? "marks"
+                        : print->mirror          ? "mirror"
+                        : print->reverse         ? "reverse"
+                        : print->relief          ? "relief"
+                                                 : NULL;
     if (wrong)
-        return lf_error_set(err, LF_E_ARG, "frame set", "does not go with %s", wrong);
+        return lf_error_set(err, LF_E_ARG, "frame set",
+                            "holds single views of a linear sheet; leave %s out", wrong);
     lf_status status = lf_print_check(print, NULL, err);
     const lf_print frame = lf_frame_set_print(print);
     return status == LF_OK ? lf_print_check(&frame, NULL, err) : status;

@@ -134,7 +134,7 @@ static lf_status take_calibration(const part *p, const json_t *values, lf_profil
     lf_lens_calibration *c = &words->calibration;
     if (!json_is_object(values))
         return lf_error_set_at(p->err, LF_E_FORMAT, p->where, 0, p->at, "expected an object");
-    *c = (lf_lens_calibration){.crosstalk_views = LF_PROFILE_CHART_VIEWS};
+    *c = (lf_lens_calibration){.crosstalk_views = LF_CHART_CODES};
     words->of_printer = words->date = words->chart_sha256 = NULL;
     lf_status status = check_keys(p, values, lf_calibration_rows, others);
     if (status == LF_OK)

@@ -14,7 +14,7 @@
 
 #define READ_BYTES (64 << 10)
 #define HEX_SIZE (2 * SHA256_DIGEST_SIZE + 1)
-#define MARGIN_MM 8.0 /* of marks */
+#define MARGIN_MM 8.0 /* of marks; not LF_MARKS_MM, since checks share no numbers with writers */
 
 static const char limit[] = "complete, agrees with itself, and has the file's SHA-256";
 static const char rewrite[] = "Write the print again, and hand over both files together.";

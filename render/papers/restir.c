@@ -98,7 +98,7 @@ static void find_depths(const lf_restir *s, lf_restir_worker *w, int n, const in
 
 static void shade(const lf_restir *s, lf_restir_worker *w, int n, const int *at)
 {
-    double paths[SHADED], whole[SHADED];
+    double paths[SHADED] = {0}, whole[SHADED] = {0};
     find_depths(s, w, n, at, paths, whole);
     for (int i = 0; i < n; i++) {
         const lf_restir_pixel *p = &w->pixels[at[i]];

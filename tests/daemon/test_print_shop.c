@@ -163,6 +163,14 @@ static void assert_refused(const char *line, const char *const *options, const c
     }
 }
 
+static void profiles_have_no_word_for_the_pitch(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "%s -o %s/auto.tif --print auto --print-size 20x10", f->quilt, f->folder);
+    qr_assert_fails(&o, 2, "without --print, --lens and --printer give both");
+}
+
 static void options_that_would_do_nothing_are_named(void **state)
 {
     static const char *const chart[] = {"--slant 10",
@@ -243,6 +251,7 @@ int main(void)
         cmocka_unit_test(a_print_is_a_pdf_by_its_name),
         cmocka_unit_test(a_relief_lies_beside_its_print),
         cmocka_unit_test(frames_are_a_folder_and_older_ones_go),
+        cmocka_unit_test(profiles_have_no_word_for_the_pitch),
         cmocka_unit_test(options_that_would_do_nothing_are_named),
         cmocka_unit_test(frames_of_a_scene_are_rendered_at_their_size),
     };

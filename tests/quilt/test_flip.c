@@ -177,8 +177,8 @@ static void a_lens_gets_as_many_stripes_as_give_all_frames_the_same(void **state
     print.n_views = 0;
     print.sheet.guard = 2;
     assert_int_equal(lf_print_choose_views(&print, 3, "test", NULL, &err), LF_E_ARG);
-    assert_string_equal(err.what, "7 frames with 2 guard stripes each need 21 stripes per lens; it "
-                                  "has 8; use fewer guards, frames or lenses per inch");
+    assert_string_equal(err.what, "guard: 7 frames with 2 guard stripes each need 21 stripes per "
+                                  "lens, but it has 8; use fewer of them");
     assert_int_equal(print.n_views, 0);
     print.n_views = 20;
     assert_int_equal(lf_print_choose_views(&print, 3, "test", NULL, &err), LF_E_ARG);

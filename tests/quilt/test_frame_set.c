@@ -163,7 +163,7 @@ static void what_frames_cannot_have_is_refused(void **state)
         print.sheet.guard = i == 7 ? 1 : 0;
         print.sheet.morph = i == 8 ? 1 : 0;
         assert_int_equal(lf_frame_set_check(&print, &err), LF_E_ARG);
-        assert_true(i == 4 || strstr(err.what, "does not go with "));
+        assert_true(i == 4 || strstr(err.what, "; leave "));
     }
     const lf_print print = frames_of(false);
     lf_assert_ok(lf_frame_set_check(&print, &err), &err);
