@@ -106,7 +106,7 @@ lf_status lf_print_check_command(const lf_profiles_command *command, lf_error *e
     const lf_print_check_options options = {.manifest = command->manifest};
     lf_print_report report;
     if (command->n != 1)
-        return lf_error_set(err, LF_E_ARG, "check", "expects one PRINT.tif, got %d names",
+        return lf_error_set(err, LF_E_ARG, "check", "expects one PRINT.tif or .pdf, got %d names",
                             command->n);
     const char *path = command->words[0];
     lf_status status = lf_print_check_file(path, &options, &report, err);

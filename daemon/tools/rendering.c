@@ -380,7 +380,8 @@ static lf_status write_track(const lf_rendering *r, const lf_output_request *req
 static bool wants_check(const lf_rendering *r)
 {
     return lf_rendering_kind(r)->check_print && !r->arguments->of_print.check.off &&
-           (lf_path_has_ending(r->path, ".tif") || lf_path_has_ending(r->path, ".tiff"));
+           (lf_path_has_ending(r->path, ".tif") || lf_path_has_ending(r->path, ".tiff") ||
+            lf_path_has_ending(r->path, ".pdf"));
 }
 
 /* Checks the print as it lies on the disk. LF_E_FORMAT: a point fails. */
