@@ -8,7 +8,16 @@
 #include "tests/quilt/checked.h"
 #include "tests/quilt/pdf_read.h"
 
-enum { SIZE = 1, RESOLUTION, LOSSLESS = 5, PITCH = 6, PDF = 15, MANIFEST = 16, SAME = 17, STORED = 18 };
+enum {
+    SIZE = 1,
+    RESOLUTION,
+    LOSSLESS = 5,
+    PITCH = 6,
+    PDF = 15,
+    MANIFEST = 16,
+    SAME = 17,
+    STORED = 18
+};
 
 static lf_print small_print(void)
 {
