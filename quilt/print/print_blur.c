@@ -219,7 +219,7 @@ lf_status lf_print_take_crosstalk(const json_t *manifest, const char *where, lf_
     for (size_t i = 0; sound && i < n; i++) {
         const json_t *share = json_array_get(shares, i);
         taken[i] = json_number_value(share);
-        sound = json_is_number(share) && fabs(taken[i]) <= 1.0;
+        sound = json_is_number(share) && taken[i] >= 0.0 && taken[i] <= 1.0;
     }
     if (!sound)
         return lf_error_set(err, LF_E_FORMAT, where,

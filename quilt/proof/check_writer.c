@@ -227,7 +227,7 @@ static double pixel_at(const lf_check_stripes *stripes, double place, double gue
 }
 
 /* Light of a spot, half a stripe wide, in the middle of stripe m under every lens: its mean, and
- * its least over the lenses; -1: no lens lies wholly inside. sums[n + 1]: light of the pixels
+ * its least over the lenses; NAN: no lens lies wholly inside. sums[n + 1]: light of the pixels
  * before. */
 static double seen_in(const lf_check_stripes *stripes, const double *sums, int m, double *out_least)
 {
@@ -250,7 +250,7 @@ static double seen_in(const lf_check_stripes *stripes, const double *sums, int m
         n++;
     }
     *out_least = n > 0 ? least : 0.0;
-    return n > 0 ? sum / n : -1.0;
+    return n > 0 ? sum / n : (double)NAN;
 }
 
 typedef struct shares {
@@ -276,7 +276,7 @@ static shares shares_of(const strip *s, const double *lines, double *sums)
             /* the spot moves left as the eye moves right */
             seen[eye * n_views + view] = seen_in(&stripes, sums, n_views - 1 - eye, &least);
             const int own = s->print.reverse ? n_views - 1 - eye : eye;
-            out.any = out.any && seen[eye * n_views + view] >= 0.0;
+            out.any = out.any && !isnan(seen[eye * n_views + view]);
             if (own == view)
                 out.worst = fmin(out.worst, least);
         }
@@ -377,7 +377,8 @@ static void judge(lf_check *check, const strip *s, const double *codes, const sh
                  "Report this to the makers of quiltd: the writer is wrong.",
                  "%.3f on average, %.3f at the worst lens; a neighbour has up to %.1f %%",
                  seen->mean, seen->worst, 100.0 * seen->neighbour);
-    if (lock_in(s, codes, &meter) && check->n_meters == 0 && whole)
+    /* compensation moves the light of codes by microns; the own share tells where its stripes lie */
+    if (!s->print.compensation.on && lock_in(s, codes, &meter) && check->n_meters == 0 && whole)
         lf_check_add_meter(check, &meter);
 }
 
