@@ -75,8 +75,7 @@ static const char *take_numbers(const char *at, int n, double *out)
     return at;
 }
 
-/* -------------------------------------------------------------------------------- the objects --
- */
+/* ------------------------------------------------------------------------------- the objects -- */
 
 static bool read_object(reader *r, uint64_t object)
 {
@@ -134,8 +133,7 @@ static bool read_tail(reader *r)
            strncmp(r->text, "trailer\n", 8) == 0;
 }
 
-/* ---------------------------------------------------------------------------------- the parts --
- */
+/* --------------------------------------------------------------------------------- the parts -- */
 
 /* Takes the profile of the present object. */
 static bool take_profile(const reader *r)

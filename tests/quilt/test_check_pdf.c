@@ -140,8 +140,7 @@ static void its_pixels_are_those_that_another_reader_sees(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------- spoilt ones --
- */
+/* ------------------------------------------------------------------------------- spoilt ones -- */
 
 typedef struct spoilt_case {
     const char *from, *to; /* of the same length */
