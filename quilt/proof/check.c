@@ -123,9 +123,15 @@ static void say_unmeasured(const lf_check *check, char *out, size_t size)
         snprintf(out, size, "cannot be measured in this picture: its views differ too little");
 }
 
+static double number_of(const lf_check_meter *meter, int point)
+{
+    return point == CHECK_PITCH   ? meter->pitch_um
+           : point == CHECK_PHASE ? meter->phase_um
+                                  : meter->jitter_um;
+}
+
 /* One of the three numbers of all meters: the worst of them counts. */
-static void judge_meters(lf_check *check, int point, size_t place, double limit_um,
-                         const char *remedy)
+static void judge_meters(lf_check *check, int point, double limit_um, const char *remedy)
 {
     char limit[64], why[160];
     double worst = -INFINITY, value = 0.0;
@@ -133,7 +139,7 @@ static void judge_meters(lf_check *check, int point, size_t place, double limit_
     snprintf(limit, sizeof limit, "at most %.3g um", limit_um);
     for (int i = 0; i < check->n_meters; i++) {
         const lf_check_meter *meter = &check->meters[i];
-        const double here = *(const double *)((const char *)meter + place);
+        const double here = number_of(meter, point);
         const double error = point == CHECK_JITTER ? 0.0 : meter->error_um;
         if (fabs(here) - error > worst) {
             worst = fabs(here) - error;
@@ -156,11 +162,11 @@ static void judge_positions(lf_check *check)
     const bool nearest = check->print.stripes == LF_STRIPES_NEAREST;
     const double half_px =
         check->known ? 0.5 * 25400.0 / check->dpi[check->print.horizontal ? 1 : 0] : 0.0;
-    judge_meters(check, CHECK_PITCH, offsetof(lf_check_meter, pitch_um), nearest ? 3.0 : 1.0,
+    judge_meters(check, CHECK_PITCH, nearest ? 3.0 : 1.0,
                  "The file was scaled, or has another pitch than the manifest; write it again.");
-    judge_meters(check, CHECK_PHASE, offsetof(lf_check_meter, phase_um), 1.0,
+    judge_meters(check, CHECK_PHASE, 1.0,
                  "The picture was moved or cropped; write the print again.");
-    judge_meters(check, CHECK_JITTER, offsetof(lf_check_meter, jitter_um), nearest ? half_px : 0.5,
+    judge_meters(check, CHECK_JITTER, nearest ? half_px : 0.5,
                  "Parts of the picture were moved or scaled; write the print again.");
 }
 
