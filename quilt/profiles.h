@@ -47,7 +47,7 @@ typedef struct lf_lens_calibration {
     bool reverse;        /* the views run in reverse order */
     bool horizontal;     /* the lenses that it was measured with: phase_mm is down the page */
     bool has_horizontal; /* the file says so; otherwise they were as the profile's are used */
-    int n_crosstalk; /* as in lf_print_blur */
+    int n_crosstalk;     /* as in lf_print_blur */
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
     int crosstalk_views;   /* views under a lens that these are shares of: 8 in charts */
     char date[11];         /* "2026-11-29"; "" = unknown */

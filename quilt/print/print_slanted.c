@@ -199,10 +199,9 @@ static void fill_cell(const lf_slanted *s, int64_t stripe, int x0, int n_pixels,
     const double first = lens - s->shape->first_lens;
     for (int i = 0, end; i < n_pixels; i = end) {
         const between b = between_at(first + moved_at(s, place_right(s, x0 + i)), n);
-        between at = b;
         float weights[BLOCK] = {b.weight}, most = b.weight;
         for (end = i + 1; end < n_pixels; end++) {
-            at = between_at(first + moved_at(s, place_right(s, x0 + end)), n);
+            const between at = between_at(first + moved_at(s, place_right(s, x0 + end)), n);
             if (at.low != b.low)
                 break;
             weights[end - i] = at.weight;
@@ -319,7 +318,7 @@ static void draw_block(const lf_slanted *s, int block, double down, int64_t move
 {
     const int x0 = block * BLOCK, left = s->shape->raster_width - x0;
     const double n = s->print->n_views;
-    double factors[BLOCK];
+    double factors[BLOCK] = {0};
     fill_factors(s, x0, down, factors);
     for (int i = 0; i < BLOCK && i < left; i++) {
         const pixel at = {block, i, moved};
