@@ -349,3 +349,8 @@ void lf_slanted_row(lf_slanted *s, int y, float *row)
     for (int block = 0; block * BLOCK < s->shape->raster_width; block++)
         draw_block(s, block, down, moved, row);
 }
+
+const float *lf_slanted_samples(const lf_slanted *s)
+{
+    return s->samples;
+}
