@@ -76,7 +76,8 @@ typedef struct lf_printer_profile {
     int n_native;
     double native_dpi[LF_PROFILE_NATIVE]; /* rasters that its driver does not resample */
     double dot_gain, ink_mm;              /* as in lf_print_blur */
-    char icc[PATH_MAX];                   /* "" = none; a path relative to the program */
+    bool registered;    /* a jig holds sheet and print in one place: phases of calibrations last */
+    char icc[PATH_MAX]; /* "" = none; a path relative to the program */
 } lf_printer_profile;
 
 /* Reads a profile by name or path. roots (NULL = anywhere) hold for paths alone. LF_E_ARG: there is
@@ -117,8 +118,8 @@ typedef struct lf_profile_told {
  * lens is the profile's alone: thickness, index, radius, angle, slant, spot and crosstalk that it
  * does not have are unknown (the slant: 0) afterwards, whatever they were before.
  *
- * The phase is that of the calibration, if it was measured with lenses that run as those of the
- * print. Otherwise it stays what it was, with a warning.
+ * The phase is that of the calibration, if the printer is registered and it was measured with
+ * lenses that run as those of the print. Otherwise it stays what it was, and told says so.
  *
  * The pitch, unless given, is that of the calibration for this printer which is nearest to
  * print->optics.distance_mm, converted to that distance by lf_profile_pitch. Without a distance

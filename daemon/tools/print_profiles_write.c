@@ -197,6 +197,9 @@ static json_t *value_of(const lf_param *row, const char *key, const char *text)
     double number;
     if (strcmp(key, "native_dpi") == 0 || strcmp(key, "crosstalk") == 0)
         return list_of(text);
+    if (row && row->type == LF_PARAM_SWITCH && !row->words &&
+        (strcmp(text, "true") == 0 || strcmp(text, "false") == 0))
+        return json_boolean(text[0] == 't');
     return row && row->type != LF_PARAM_TEXT && lf_decimal_is(text, &number) ? number_of(number)
                                                                              : json_string(text);
 }

@@ -99,8 +99,10 @@ char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size)
         char word[32];
         snprintf(word, sizeof word, content.neutral ? "-" : "%.3g",
                  content.image + (double)content.blend);
-        if (n + strlen(word) + sizeof " ..." > size)
-            return strcat(buf, " ...");
+        if (n + strlen(word) + sizeof " ..." > size) {
+            snprintf(buf + n, size - n, " ...");
+            return buf;
+        }
         snprintf(buf + n, size - n, "%s%s", i > 0 ? " " : "", word);
     }
     return buf;

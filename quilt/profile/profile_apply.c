@@ -167,7 +167,7 @@ static const lf_lens_calibration *nearest(const filling *f, bool any, int *out_n
 static void take_phase(const filling *f, const lf_lens_calibration *c)
 {
     const bool horizontal = was_horizontal(f, c);
-    if (is_given(f->given, "phase"))
+    if (is_given(f->given, "phase") || !f->printer->registered)
         return;
     if (horizontal == f->print->horizontal) {
         f->print->phase_mm = c->phase_mm;
@@ -182,8 +182,15 @@ static void take_phase(const filling *f, const lf_lens_calibration *c)
 
 static void say_measured(filling *f, const lf_lens_calibration *c)
 {
-    if (!is_given(f->given, "phase") && was_horizontal(f, c) == f->print->horizontal)
+    char what[160];
+    const bool wanted = !is_given(f->given, "phase"), registered = f->printer->registered;
+    if (wanted && registered && was_horizontal(f, c) == f->print->horizontal)
         say_number(f, "phase", c->phase_mm, "mm");
+    if (wanted && !registered && c->phase_mm != 0) {
+        snprintf(what, sizeof what, "phase %+.4g mm not applied, because %s is not registered",
+                 c->phase_mm, f->printer->file.name);
+        say(f, what);
+    }
     if (c->reverse && !is_given(f->given, "reverse"))
         say(f, "views in reverse order");
     if (c->n_crosstalk > 0)

@@ -46,6 +46,8 @@ static const lf_param printer_rows[] = {
     {.name = "dot_gain", NUMBER(printer.dot_gain, 0, 0.45), .help = "dot gain at 50 %"},
     {.name = "ink_mm", NUMBER(printer.ink_mm, 0, 1), .unit = "mm",
      .help = "standard deviation of the spread of ink"},
+    {.name = "registered", .place = offsetof(lf_profile_words, printer.registered),
+     .type = LF_PARAM_SWITCH, .help = "a jig holds sheet and print in one place"},
     {.name = "icc", TEXT(icc), .help = "ICC file, relative to the folder of the profile"},
     {0},
 };

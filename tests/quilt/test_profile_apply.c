@@ -61,6 +61,7 @@ static void make_profiles(void)
         .optics = {.thickness_mm = 0.6, .index = 1.56, .angle = 54, .radius_mm = 0.2},
         .spot_mm = 0.03};
     printer = (lf_printer_profile){.file.name = "ink", .dpi = 720, .dot_gain = 0.1, .ink_mm = 0.02};
+    printer.registered = true;
 }
 
 static lf_print plain_print(void)
@@ -198,6 +199,30 @@ static void a_phase_is_of_lenses_that_run_as_the_charts(void **state)
     lf_assert_ok(apply("orientation", "vertical", &print, &err), &err);
     assert_true(print.phase_mm == 0);
     assert_non_null(strstr(told.warnings.text, "phase of vertical ones is unknown"));
+}
+
+/* Without a jig, the phase is one of the laying of the chart's sheet. */
+static void a_phase_needs_a_registered_printer(void **state)
+{
+    lf_error err = {0};
+    lf_print print;
+    (void)state;
+    make_profiles();
+    printer.registered = false;
+    lens.calibrations[0] = measured("ink", 60.13, 400);
+    lens.calibrations[0].phase_mm = 0.071;
+    lens.n_calibrations = 1;
+    lf_assert_ok(apply(NULL, NULL, &print, &err), &err);
+    assert_true(print.phase_mm == 0 && print.lpi == 60.13);
+    assert_non_null(
+        strstr(told.lines.text, "phase +0.071 mm not applied, because ink is not registered"));
+    assert_int_equal(told.warnings.length, 0);
+    lf_assert_ok(apply("phase", "0.02", &print, &err), &err);
+    assert_true(print.phase_mm == 0.02);
+    assert_null(strstr(told.lines.text, "phase"));
+    lf_assert_ok(apply("orientation", "horizontal", &print, &err), &err);
+    assert_true(print.phase_mm == 0);
+    assert_int_equal(told.warnings.length, 0);
 }
 
 static void an_option_wins_over_profiles(void **state)
@@ -461,6 +486,7 @@ int main(void)
         cmocka_unit_test(thickness_and_angle_belong_together),
         cmocka_unit_test(a_calibration_gives_the_pitch),
         cmocka_unit_test(the_sheet_is_that_of_the_profile_alone),
+        cmocka_unit_test(a_phase_needs_a_registered_printer),
         cmocka_unit_test(a_phase_is_of_lenses_that_run_as_the_charts),
         cmocka_unit_test(an_option_wins_over_profiles),
         cmocka_unit_test(the_thickness_that_was_given_counts_for_the_pitch),
