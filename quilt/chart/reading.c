@@ -23,7 +23,10 @@
 #define ASIDE_TOLD 0.1
 #define TURNED_CONTRAST 0.15
 #define SD_SCALE 1e-3 /* of lengths by the marks, which lenses cut into columns */
+/* An order is told if the other one leaves twice as much, and if the own view is where the fringes
+ * say, to a part of a view: a ghost beside it can make the wrong order fit better. */
 #define ORDER_RATIO 0.5
+#define ORDER_CENTRE 0.9
 #define SMOOTHING 0.5 /* of the crosstalk's second differences; a sample weighs 1 */
 
 /* State of reading a photo. */
@@ -211,6 +214,8 @@ typedef struct codes {
 /* Light by the difference of views, in bins of one view. */
 typedef struct kernel {
     double light[LF_CHART_CODES];
+    double centre; /* of this light, in views: 0 is the own one */
+    double left;   /* sum of squares that remains */
     bool is_fitted;
 } kernel;
 
@@ -256,11 +261,11 @@ static void add_equation(const double *factor, double right, double *a, double *
     }
 }
 
-/* Fits light that is linear between the bins, and a little smooth where samples lack; returns the
- * sum of squares that remains. */
-static double kernel_of(const codes *c, bool is_reversed, kernel *out)
+/* Fits light that is linear between the bins, and a little smooth where samples lack. */
+static void kernel_of(const codes *c, bool is_reversed, kernel *out)
 {
-    double a[LF_CHART_CODES * LF_CHART_CODES] = {0}, b[LF_CHART_CODES] = {0}, left = 0.0;
+    double a[LF_CHART_CODES * LF_CHART_CODES] = {0}, b[LF_CHART_CODES] = {0}, cosine = 0.0,
+                              sine = 0.0;
     int low, high;
     *out = (kernel){0};
     for (int i = 0; i < c->n; i++) {
@@ -278,14 +283,23 @@ static double kernel_of(const codes *c, bool is_reversed, kernel *out)
         add_equation(factor, 0.0, a, b);
     }
     out->is_fitted = lf_chart_solve(LF_CHART_CODES, 1, a, b);
-    for (int k = 0; k < LF_CHART_CODES && out->is_fitted; k++)
+    for (int k = 0; k < LF_CHART_CODES && out->is_fitted; k++) {
         out->light[k] = fmax(b[k], 0.0);
+        cosine += out->light[k] * cos(2.0 * M_PI * k / LF_CHART_CODES);
+        sine += out->light[k] * sin(2.0 * M_PI * k / LF_CHART_CODES);
+    }
+    out->centre = atan2(sine, cosine) * LF_CHART_CODES / (2.0 * M_PI);
     for (int i = 0; i < c->n; i++) {
         const double part = bins_of(c, i, is_reversed, &low, &high);
         const double off = c->light[i] - (1.0 - part) * out->light[low] - part * out->light[high];
-        left += off * off;
+        out->left += off * off;
     }
-    return left;
+}
+
+static bool is_order(const kernel *own, const kernel *other)
+{
+    return own->is_fitted && own->left < ORDER_RATIO * other->left &&
+           fabs(own->centre) < ORDER_CENTRE;
 }
 
 static void read_crosstalk(reader *r, lf_chart_reading *out)
@@ -300,16 +314,19 @@ static void read_crosstalk(reader *r, lf_chart_reading *out)
     if (!r->chart.groups[LF_CHART_CODE_PATCHES].present || !(white > black) || black < 0.0 ||
         !sample_codes(r, black, white, &c))
         return;
-    const double left = kernel_of(&c, false, &straight),
-                 left_reversed = kernel_of(&c, true, &reversed);
-    out->has_order = fmin(left, left_reversed) < ORDER_RATIO * fmax(left, left_reversed);
-    out->is_reversed = out->has_order && left_reversed < left;
+    kernel_of(&c, false, &straight);
+    kernel_of(&c, true, &reversed);
+    out->is_reversed = is_order(&reversed, &straight);
+    out->has_order = out->is_reversed || is_order(&straight, &reversed);
     const kernel *own = out->is_reversed ? &reversed : &straight;
     if (!own->is_fitted)
         return;
     out->n_crosstalk = 2 * LF_CHART_KERNEL + 1;
     for (int i = 0; i < out->n_crosstalk; i++) {
-        out->crosstalk[i] = own->light[(i - LF_CHART_KERNEL + LF_CHART_CODES) % LF_CHART_CODES];
+        /* light is by the view that is seen less the white one. In a print with --reverse, views
+         * count the other way than on the chart. */
+        const int k = i - LF_CHART_KERNEL, bin = out->is_reversed ? k : -k;
+        out->crosstalk[i] = own->light[(bin + LF_CHART_CODES) % LF_CHART_CODES];
         sum += out->crosstalk[i];
     }
     for (int i = 0; i < out->n_crosstalk; i++)

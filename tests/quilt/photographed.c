@@ -79,8 +79,8 @@ static double sheet_light(const lf_paper *paper, const lf_shot *shot, const doub
     const double dx = px - eye[0], dy = py - eye[1], r = hypot(dx, dy);
     if (r < 1e-9)
         return paper_at(paper, px, py);
-    const double inside = asin(sin(atan2(r, eye[2])) / shot->index);
-    const double move = shot->thickness_mm * tan(inside) / r;
+    const double sine = r / hypot(r, eye[2]) / shot->index; /* of the ray within the sheet */
+    const double move = shot->thickness_mm * sine / sqrt(1.0 - sine * sine) / r;
     return paper_at(paper, px + move * dx, py + move * dy);
 }
 

@@ -139,6 +139,16 @@ static lf_shot small_shot(uint64_t seed)
     return shot;
 }
 
+/* As usual, of a quarter of the pixels. */
+static lf_shot mid_shot(uint64_t seed)
+{
+    lf_shot shot = lf_shot_usual(seed);
+    shot.width = 1512;
+    shot.height = 2016;
+    shot.blur_px *= 0.5;
+    return shot;
+}
+
 static void is_refused(const lf_shot *shot, const lf_chart_photo *known, lf_status expected,
                        const char *words)
 {
@@ -220,46 +230,120 @@ static void wrong_optics_are_found_out(void **state)
     assert_true(fabs(wrong.visual_lpi - lf_shot_visual_lpi(&shot, 1000.0)) > 0.005);
 }
 
-/* Prints the code patches as if views ran the other way under each lens. */
-static void reverse_codes(void)
+/* The pixels of the code patches: from column `left`, `width` of them, rows from `top`. */
+typedef struct patches {
+    int left, width, top, height;
+    float *before; /* [height][width] */
+} patches;
+
+static float *patch_row(const patches *p, int y)
+{
+    return paper.light + (size_t)(p->top + y) * (size_t)paper.width + p->left;
+}
+
+static void keep_codes(patches *p)
 {
     const json_t *place = json_object_get(
         json_object_get(json_object_get(manifest, "chart"), "patches_mm"), "crosstalk");
     double mm[4];
-    const double pitch = 25.4 / 60.0, dot = paper.right_mm;
     for (size_t k = 0; k < 4; k++)
-        mm[k] = json_number_value(json_array_get(place, k));
-    assert_true(mm[2] > 10.0);
-    float *row = malloc((size_t)paper.width * sizeof *row);
-    assert_non_null(row);
-    for (int y = (int)(mm[1] / dot); y < (int)((mm[1] + mm[3]) / dot); y++) {
-        float *own = paper.light + (size_t)y * (size_t)paper.width;
-        memcpy(row, own, (size_t)paper.width * sizeof *row);
-        for (int i = 0; i < (int)(mm[2] / dot); i++) {
-            const double x = mm[0] + (i + 0.5) * dot;
-            const double from = 2.0 * pitch * round(x / pitch) - x;
-            own[(int)floor(x / dot + 0.5 * paper.width)] =
-                row[(int)floor(from / dot + 0.5 * paper.width)];
-        }
-    }
-    free(row);
+        mm[k] = json_number_value(json_array_get(place, k)) / paper.right_mm;
+    assert_true(mm[2] > 200.0);
+    *p = (patches){.left = (int)floor(mm[0] + 0.5 * paper.width),
+                   .width = (int)mm[2],
+                   .top = (int)mm[1],
+                   .height = (int)mm[3]};
+    p->before = malloc((size_t)p->width * (size_t)p->height * sizeof *p->before);
+    assert_non_null(p->before);
+    for (int y = 0; y < p->height; y++)
+        memcpy(p->before + (size_t)y * (size_t)p->width, patch_row(p, y),
+               (size_t)p->width * sizeof *p->before);
 }
 
-/* The last test: it changes the paper. */
+static void restore_codes(patches *p)
+{
+    for (int y = 0; y < p->height; y++)
+        memcpy(patch_row(p, y), p->before + (size_t)y * (size_t)p->width,
+               (size_t)p->width * sizeof *p->before);
+    free(p->before);
+}
+
+/* The code patches as if views ran the other way under each lens. */
+static void reverse_codes(const patches *p)
+{
+    const double pitch = 25.4 / 60.0 / paper.right_mm;
+    for (int y = 0; y < p->height; y++)
+        for (int i = 0; i < p->width; i++) {
+            const double x = p->left + i + 0.5 - 0.5 * paper.width;
+            const int from = (int)floor(2.0 * pitch * round(x / pitch) - x + 0.5 * paper.width);
+            if (from >= p->left && from < p->left + p->width)
+                patch_row(p, y)[i] =
+                    p->before[(size_t)y * (size_t)p->width + (size_t)from - (size_t)p->left];
+        }
+}
+
+/* A share of the light comes from `stripes` eighths of a lens further right. */
+static void add_ghost(const patches *p, double share, double stripes)
+{
+    const int shift = (int)round(stripes / 8.0 * 25.4 / 60.0 / paper.right_mm * 16.0);
+    for (int y = 0; y < p->height; y++)
+        for (int i = 0; i < p->width; i++) {
+            const double at = i + shift / 16.0;
+            const int k = (int)floor(at);
+            if (k < 0 || k + 1 >= p->width)
+                continue;
+            const float *before = p->before + (size_t)y * (size_t)p->width + k;
+            const double ghost = (double)before[0] + (at - k) * (double)(before[1] - before[0]);
+            patch_row(p, y)[i] =
+                (float)((1.0 - share) * (double)patch_row(p, y)[i] + share * ghost);
+        }
+}
+
+/* Views run from right to left under a lens, so a ghost from the right is one of lower views. */
+static void ghosts_are_on_their_side(void **state)
+{
+    (void)state;
+    for (int right = 0; right < 2; right++) {
+        patches codes;
+        keep_codes(&codes);
+        add_ghost(&codes, 0.2, right ? 2.5 : -2.5);
+        for (uint64_t seed = 0; seed < 3; seed++) {
+            const lf_shot shot = mid_shot(seed);
+            lf_chart_reading r;
+            lf_error err = {0};
+            lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
+            const double lower = r.crosstalk[0] + r.crosstalk[1],
+                         higher = r.crosstalk[5] + r.crosstalk[6];
+            print_message("ghost from the %s: lower views %.3f, higher %.3f; order %s\n",
+                          right ? "right" : "left", lower, higher,
+                          !r.has_order    ? "not told"
+                          : r.is_reversed ? "reversed"
+                                          : "normal");
+            assert_true(!r.is_reversed);
+            lf_assert_close(right ? lower : higher, 0.18, 0.0, 0.07);
+            assert_true((right ? higher : lower) < 0.06);
+        }
+        restore_codes(&codes);
+    }
+}
+
 static void views_in_reverse_are_found(void **state)
 {
     const lf_shot shot = small_shot(9);
     lf_chart_reading r;
     lf_error err = {0};
+    patches codes;
     (void)state;
     lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
     assert_true(r.has_order && !r.is_reversed);
     /* a spot of two of eight views, seen from between them: own view, half of each neighbour */
     lf_assert_close(r.crosstalk[3], 0.48, 0.0, 0.08);
     lf_assert_close(r.crosstalk[2] + r.crosstalk[4], 0.5, 0.0, 0.08);
-    reverse_codes();
+    keep_codes(&codes);
+    reverse_codes(&codes);
     lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
     assert_true(r.has_order && r.is_reversed);
+    restore_codes(&codes);
 }
 
 static void an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera(void **state)
@@ -289,6 +373,7 @@ int main(void)
         cmocka_unit_test(a_photo_of_another_chart_is_refused),
         cmocka_unit_test(wrong_optics_are_found_out),
         cmocka_unit_test(an_unknown_thickness_is_told_and_leaves_the_pitch_at_the_camera),
-        cmocka_unit_test(views_in_reverse_are_found)};
+        cmocka_unit_test(views_in_reverse_are_found),
+        cmocka_unit_test(ghosts_are_on_their_side)};
     return cmocka_run_group_tests(tests, print_it, put_away);
 }
