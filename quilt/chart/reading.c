@@ -8,6 +8,7 @@
 #include "quilt/chart/fringes.h"
 
 #define DIAGONAL_35MM 43.2666
+#define SD_FOCAL_35MM 0.3 /* EXIF data have whole millimetres */
 #define USUAL_INDEX 1.56
 /* thickness / index of sheets whose thickness is unknown, in pitches, and its standard error */
 #define USUAL_REACH 1.1
@@ -66,7 +67,8 @@ static lf_status fit_camera(reader *r, const lf_chart_corners *corners, lf_error
     lf_chart_hint hint = {.width = photo->width,
                           .height = photo->height,
                           .focal = photo->focal_35mm / DIAGONAL_35MM *
-                                   hypot(photo->width, photo->height)};
+                                   hypot(photo->width, photo->height),
+                          .sd_focal = SD_FOCAL_35MM / fmax(photo->focal_35mm, 1.0)};
     lf_status status = lf_chart_camera_fit(corners, &hint, r->where, &r->camera, err);
     if (status != LF_OK || r->camera.sd_distance < MOST_SD_DISTANCE)
         return status;
@@ -357,6 +359,23 @@ static void say_pitch(const reader *r, lf_chart_reading *out)
     out->error_lpi = sqrt(out->error_camera_lpi * out->error_camera_lpi + far * far + off * off);
 }
 
+/* Bands and lenses turn together when the camera's place is off, up to the difference of their
+ * pitches. What exact refraction adds to the turn grows with the camera's place aside. */
+static double sd_skew(const reader *r)
+{
+    const lf_chart_optics *o = &r->optics;
+    const double per_mm = r->sheet.per_mm, half = 0.5 * r->chart.n_bands * r->chart.band_height;
+    const double bend = 0.6 * fabs(o->eye[0] * o->eye[1]) / pow(o->distance, 3.0);
+    const double errors[] = {
+        sqrt(r->sheet.covariance[2][2]), SD_CYCLES / per_mm / half,
+        r->camera.sd_roll * (25.4 * per_mm / r->chart.lpi - 1.0), bend * sd_reach(r),
+        3.0 * bend * lf_chart_reach(o) * hypot(r->camera.sd_distance, r->camera.sd_aside)};
+    double sum = 0.0;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++)
+        sum += errors[i] * errors[i];
+    return sqrt(sum);
+}
+
 static void say_phase(const reader *r, lf_chart_reading *out)
 {
     const double per_mm = r->sheet.per_mm, reach = lf_chart_reach(&r->optics);
@@ -366,7 +385,7 @@ static void say_phase(const reader *r, lf_chart_reading *out)
     out->phase_mm = remainder(r->sheet.cycles, 1.0) / per_mm;
     out->error_phase_mm = sqrt(fit * fit + side * side + unknown * unknown);
     out->skew_deg = r->sheet.angle * 180.0 / M_PI;
-    out->error_skew_deg = sqrt(r->sheet.covariance[2][2]) * 180.0 / M_PI;
+    out->error_skew_deg = sd_skew(r) * 180.0 / M_PI;
 }
 
 static void say_notes(const reader *r, lf_chart_reading *out)
