@@ -40,6 +40,7 @@ typedef struct reader {
     lf_chart_optics optics;
     lf_chart_sheet sheet;
     bool is_told_distance; /* the camera's distance is the user's */
+    bool is_turned;        /* the chart is for horizontal lenses */
 } reader;
 
 /* ------------------------------------------------------------------------------------ camera -- */
@@ -190,9 +191,9 @@ static lf_status check_fit(reader *r, lf_error *err)
                             "the photo is overexposed; take a darker one");
     if (r->sheet.contrast >= LEAST_CONTRAST)
         return lf_error_set(err, LF_E_FORMAT, r->where,
-                            "the fringes are not those of one flat sheet of about this pitch (fit "
-                            "%.2f); use one sheet, flat, on all bands",
-                            r->sheet.explained);
+                            "no flat sheet within %g lpi of the bands and %g degrees of their "
+                            "lines fits the fringes; use one sheet, straight, on all bands",
+                            LF_CHART_BEYOND_LPI, LF_CHART_MOST_SKEW);
     if (is_the_file_itself(r))
         return lf_error_set(err, LF_E_FORMAT, r->where,
                             "this is an image of the chart's file; print it, lay the sheet on and "
@@ -426,8 +427,9 @@ static lf_status read_sheet(reader *r, lf_chart_reading *out, lf_error *err)
         return status;
     say_pitch(r, out);
     say_phase(r, out);
-    for (int k = 0; k < 2; k++)
-        out->camera_mm[k] = r->camera.eye[k];
+    /* a chart for horizontal lenses is turned clockwise */
+    out->camera_mm[0] = r->is_turned ? -r->camera.eye[1] : r->camera.eye[0];
+    out->camera_mm[1] = r->is_turned ? r->camera.eye[0] : r->camera.eye[1];
     out->camera_mm[2] = r->optics.distance;
     out->fit = r->sheet.explained;
     out->px_per_mm = r->light.px_per_mm;
@@ -439,7 +441,7 @@ static lf_status read_sheet(reader *r, lf_chart_reading *out, lf_error *err)
 lf_status lf_chart_read(const lf_print *print, const lf_chart_photo *photo, const char *where,
                         lf_chart_reading *out, lf_error *err)
 {
-    reader r = {.photo = photo, .where = where};
+    reader r = {.photo = photo, .where = where, .is_turned = print->horizontal};
     lf_chart_reading reading = {0};
     lf_status status = lf_chart_layout(print, &r.chart, err);
     if (status == LF_OK && !r.chart.is_marked)
