@@ -22,18 +22,21 @@ static lf_print chart_of(void)
                       .bits = 8};
 }
 
+static lf_printed printed;
 static lf_paper paper;
-static json_t *manifest;
+
+static void make_paper(double spot_mm)
+{
+    lf_paper_finish(&paper);
+    lf_paper_make(&printed, 25.4 / 600.0, 25.4 / 300.0, spot_mm, &paper);
+}
 
 static int print_it(void **state)
 {
     const lf_print print = chart_of();
-    lf_printed printed;
     (void)state;
     lf_printed_chart(&print, &printed);
-    lf_paper_make(&printed, 25.4 / 600.0, 25.4 / 300.0, 0.1, &paper);
-    manifest = json_incref(printed.manifest);
-    lf_printed_finish(&printed);
+    make_paper(0.1);
     return 0;
 }
 
@@ -41,7 +44,7 @@ static int put_away(void **state)
 {
     (void)state;
     lf_paper_finish(&paper);
-    json_decref(manifest);
+    lf_printed_finish(&printed);
     return 0;
 }
 
@@ -162,8 +165,8 @@ static void photos_give_pitch_phase_and_skew(void **state)
 static lf_shot small_shot(uint64_t seed)
 {
     lf_shot shot = lf_shot_usual(seed);
-    shot.width = 1085;
-    shot.height = 1447;
+    shot.width = 1020;
+    shot.height = 1360;
     shot.blur_px = 0.7;
     shot.noise = 0.003;
     shot.tilt_deg = 8.0;
@@ -267,7 +270,7 @@ static float *patch_row(const patches *p, int y)
 static void keep_codes(patches *p)
 {
     const json_t *place = json_object_get(
-        json_object_get(json_object_get(manifest, "chart"), "patches_mm"), "crosstalk");
+        json_object_get(json_object_get(printed.manifest, "chart"), "patches_mm"), "crosstalk");
     double mm[4];
     for (size_t k = 0; k < 4; k++)
         mm[k] =
@@ -323,32 +326,30 @@ static void add_ghost(const patches *p, double share, double stripes)
         }
 }
 
-/* Views run from right to left under a lens, so a ghost from the right is one of lower views. */
+/* Views run from right to left under a lens, so a ghost from the right is one of lower views. In
+ * this photo, a sharp spot and a ghost make the reversed order fit better. */
 static void ghosts_are_on_their_side(void **state)
 {
+    const lf_shot shot = mid_shot(0);
     (void)state;
+    make_paper(0.03);
     for (int right = 0; right < 2; right++) {
         patches codes;
+        lf_chart_reading r;
+        lf_error err = {0};
         keep_codes(&codes);
         add_ghost(&codes, 0.2, right ? 2.5 : -2.5);
-        for (uint64_t seed = 0; seed < 2; seed++) {
-            const lf_shot shot = small_shot(seed);
-            lf_chart_reading r;
-            lf_error err = {0};
-            lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
-            const double lower = r.crosstalk[0] + r.crosstalk[1],
-                         higher = r.crosstalk[5] + r.crosstalk[6];
-            print_message("ghost from the %s: lower views %.3f, higher %.3f; order %s\n",
-                          right ? "right" : "left", lower, higher,
-                          !r.has_order    ? "not told"
-                          : r.is_reversed ? "reversed"
-                                          : "normal");
-            assert_true(!r.is_reversed);
-            lf_assert_close(right ? lower : higher, 0.18, 0.0, 0.07);
-            assert_true((right ? higher : lower) < 0.06);
-        }
+        lf_assert_ok(read_photo(&shot, known_of(&shot), &r, &err), &err);
         restore_codes(&codes);
+        const double lower = r.crosstalk[0] + r.crosstalk[1],
+                     higher = r.crosstalk[5] + r.crosstalk[6];
+        print_message("ghost from the %s: lower views %.3f, higher %.3f\n",
+                      right ? "right" : "left", lower, higher);
+        assert_true(!r.is_reversed);
+        lf_assert_close(right ? lower : higher, 0.18, 0.0, 0.07);
+        assert_true((right ? higher : lower) < 0.06);
     }
+    make_paper(0.1);
 }
 
 static void views_in_reverse_are_found(void **state)
@@ -414,14 +415,14 @@ static void the_camera_of_a_horizontal_chart_is_on_the_page(void **state)
                           .height = 900,
                           .gain = 0.7,
                           .noise = 0.004};
-    lf_printed printed;
+    lf_printed turned;
     lf_paper page;
     lf_chart_reading r;
     lf_error err = {0};
     double eye[3];
     (void)state;
-    lf_printed_chart(&print, &printed);
-    lf_paper_make(&printed, 25.4 / 300.0, 25.4 / 300.0, 0.01, &page);
+    lf_printed_chart(&print, &turned);
+    lf_paper_make(&turned, 25.4 / 300.0, 25.4 / 300.0, 0.01, &page);
     uint8_t *data = lf_photograph(&page, &shot);
     lf_chart_photo known = known_of(&shot);
     known.data = data, known.width = shot.width, known.height = shot.height;
@@ -433,7 +434,7 @@ static void the_camera_of_a_horizontal_chart_is_on_the_page(void **state)
     lf_assert_close(r.skew_deg, shot.skew_deg, 0.0, 0.01);
     free(data);
     lf_paper_finish(&page);
-    lf_printed_finish(&printed);
+    lf_printed_finish(&turned);
 }
 
 int main(void)
