@@ -154,7 +154,9 @@ static void photos_give_pitch_phase_and_skew(void **state)
                   n_honest, n, n_far, n_phase, n_order);
     assert_true(own.error[n - 1] < 0.002);
     assert_true(skew.error[n - 1] < 0.01);
-    assert_int_equal(n_far, n);
+    /* a photo from straight in front does not tell the focal length, which EXIF data round */
+    assert_true(n_far >= n - n / 50);
+    assert_true(far.error[n - 1] < 0.005);
     assert_int_equal(n_phase, n);
     assert_true(n_honest >= n - n / 50);
     assert_true(n_order >= n * 2 / 3);
