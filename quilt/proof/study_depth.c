@@ -140,9 +140,10 @@ static lf_status see_views(lf_print_file *file, const lf_proof_sheet *sheet, dou
                            lf_proof_depth *d, view views[VIEWS], int n_views,
                            const lf_cancel *cancel, lf_error *err)
 {
-    const double step = lf_proof_view_step(sheet, distance_mm);
     for (int k = 0; k < n_views; k++) {
-        const double at_mm = step * ((sheet->n_views / 2 - 1 + k) - 0.5 * (sheet->n_views - 1));
+        const double share =
+            ((sheet->n_views / 2 - 1 + k) - 0.5 * (sheet->n_views - 1)) / sheet->n_views;
+        const double at_mm = lf_proof_eye_at(sheet, distance_mm, share);
         const lf_eye eye = {sheet->horizontal ? 0.0 : at_mm, sheet->horizontal ? at_mm : 0.0,
                             distance_mm};
         lf_image32 image;

@@ -92,8 +92,43 @@ static void what_is_not_known_is_assumed_in_words(void **state)
     lf_proof_sheet_of(&points, &of_points, NULL);
     assert_int_equal(of_points.n_views, 5);
     lf_assert_close(of_points.spot_mm, 25.4 / 60 / 10, 1e-9, 0);
-    /* 0.6 mm: all views in 25.4/60 n D / t */
-    lf_assert_close(lf_proof_view_range(&sheet, 500), 25.4 / 60 * 1.56 * 500 / 0.6, 1e-9, 0);
+}
+
+/* The largest share of its cell that the middle lens shows an eye, by following the ray back: found
+ * by moving the eye, not by the formula. */
+static double seen_by(double x_mm, double distance_mm, double thickness_mm, double index)
+{
+    const double inside = asin(sin(atan2(x_mm, distance_mm)) / index);
+    return thickness_mm * tan(inside);
+}
+
+static void ranges_of_views_are_those_of_rays(void **state)
+{
+    (void)state;
+    lf_print print = lf_print_sound();
+    print.optics.thickness_mm = 0.548;
+    print.optics.index = 1.552;
+    print.optics.distance_mm = 400;
+    for (int i = 0; i < 3; i++) {
+        const double distance = (const double[]){400, 250, 1000}[i];
+        lf_proof_sheet sheet;
+        lf_proof_sheet_of(&print, &sheet, NULL);
+        double jump = 0, view = 0;
+        while (seen_by(jump, distance, 0.548, 1.552) < 0.5 * 25.4 / 60)
+            jump += 0.01;
+        while (seen_by(view, distance, 0.548, 1.552) < 0.5 * 25.4 / 60 / sheet.n_views)
+            view += 0.01;
+        lf_assert_close(lf_proof_view_range(&sheet, distance), 2 * jump, 0, 0.05);
+        lf_assert_close(lf_proof_view_step(&sheet, distance), 2 * view, 0, 0.05);
+        if (i == 0)
+            lf_assert_close(jump, 268, 0, 2); /* 240 without Snell's law */
+        lf_assert_close(lf_proof_eye_at(&sheet, distance, -0.5), -jump, 0, 0.05);
+    }
+    /* a thick sheet of coarse lenses: light that cannot leave it */
+    print.lpi = 10;
+    lf_proof_sheet sheet;
+    lf_proof_sheet_of(&print, &sheet, NULL);
+    assert_true(lf_proof_view_range(&sheet, 400) < 2 * 400 * 6);
 }
 
 /* ---------------------------------------------------------------------------------- parallax -- */
@@ -223,6 +258,7 @@ int main(void)
         cmocka_unit_test(own_views_are_those_of_the_table),
         cmocka_unit_test(a_wrong_pitch_drifts),
         cmocka_unit_test(what_is_not_known_is_assumed_in_words),
+        cmocka_unit_test(ranges_of_views_are_those_of_rays),
         cmocka_unit_test(shifts_of_prints_are_measured),
         cmocka_unit_test(a_flip_has_no_parallax),
         cmocka_unit_test(too_much_parallax_is_hatched_and_cut_edges_are_outlined),
