@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -143,11 +144,19 @@ static bool is_report(const char *out)
 
 static lf_status check_operands(job *j, int argc, char *const argv[], lf_error *err)
 {
+    struct stat info;
     if (optind >= argc)
         return lf_error_set(err, LF_E_ARG, "PRINT.tif", "is missing; --simulate needs a print");
     if (optind + 1 < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind + 1], "unexpected; give only one print");
     j->in = argv[optind];
+    if (lf_path_has_ending(j->in, ".pdf"))
+        return lf_error_set(err, LF_E_ARG, j->in,
+                            "is a PDF; --simulate reads TIFF, so write the print as .tif, too");
+    if (stat(j->in, &info) == 0 && S_ISDIR(info.st_mode))
+        return lf_error_set(err, LF_E_ARG, j->in,
+                            "is a folder; --simulate takes one interlaced print (.tif), no frame "
+                            "set");
     if (!j->out || j->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     if (!is_film(j->out) && !is_report(j->out) && !lf_output_fits(&lf_output_still, j->out))
@@ -180,6 +189,30 @@ static lf_status take_eye(job *j, lf_error *err)
 
 /* ----------------------------------------------------------------------------------- opening -- */
 
+static void give(lf_print_given *given, const char *key)
+{
+    if (given->n < (int)(sizeof given->keys / sizeof *given->keys))
+        given->keys[given->n++] = key;
+}
+
+/* What a file says of itself holds for any sheet: its raster, and the distance that it was made
+ * for. Without a printer, it is the one that the manifest names, if its profile is here. A manifest
+ * may be anyone's, so it names profiles, not files. */
+static void complete_names(job *j, double distance_mm)
+{
+    const char *printer = json_string_value(json_object_get(
+        json_object_get(json_object_get(j->manifest, "profiles"), "printer"), "profile"));
+    char path[PATH_MAX];
+    if (j->print.dpi > 0.0)
+        give(&j->given, "dpi");
+    if (distance_mm > 0.0)
+        give(&j->given, "distance");
+    if (j->names.lens && !j->names.printer && printer && lf_profile_is_name(printer) &&
+        !lf_profile_is_path(printer) &&
+        lf_profile_find(LF_PROFILE_PRINTER, printer, path, NULL) == LF_OK)
+        j->names.printer = printer;
+}
+
 /* The manifest first, then profiles, then what the command line has. */
 static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
 {
@@ -188,6 +221,8 @@ static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
     j->printed = j->print;
     if (status == LF_OK)
         status = read_options(j, argc, argv, &done, err);
+    if (status == LF_OK)
+        complete_names(j, j->printed.optics.distance_mm);
     if (status == LF_OK && j->names.lens && !(j->print.optics.distance_mm > 0.0))
         j->print.optics.distance_mm = LF_PROOF_DISTANCE;
     if (status == LF_OK)
@@ -202,6 +237,26 @@ static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
     if (!(j->print.width_mm > 0.0 && j->print.height_mm > 0.0 && j->print.dpi > 0.0))
         return lf_error_set(err, LF_E_ARG, j->in,
                             "does not say its resolution; give --print and --print-size");
+    return LF_OK;
+}
+
+/* The first copy of a page; with --untrimmed the page, from its middle. */
+static lf_status choose_copy(job *j, lf_error *err)
+{
+    int columns, rows;
+    const lf_print_sheet *page = &j->print.sheet;
+    const lf_status status =
+        j->options.untrimmed
+            ? LF_OK
+            : lf_proof_take_copy(j->manifest, j->in, &j->sheet, &columns, &rows, err);
+    if (status != LF_OK || j->options.untrimmed)
+        return status;
+    if (columns * rows > 1)
+        lf_image_note(&j->notes, "a page of %dx%d copies; the first one is shown", columns, rows);
+    else if (page->columns > 1 || page->rows > 1)
+        return lf_error_set(err, LF_E_ARG, j->in,
+                            "has no manifest that says where its copies are; put it beside the "
+                            "print");
     return LF_OK;
 }
 
@@ -226,6 +281,9 @@ static lf_status open_job(job *j, int argc, char *const argv[], lf_error *err)
     if (status != LF_OK)
         return status;
     lf_proof_sheet_of(&j->print, &j->sheet, &j->notes);
+    status = choose_copy(j, err);
+    if (status != LF_OK)
+        return status;
     if (lf_print_file_profile_problem(j->file))
         lf_image_note(&j->notes, "%s; its colours are those of %s",
                       lf_print_file_profile_problem(j->file),
@@ -414,6 +472,11 @@ static lf_status write_film(job *j, int width, int height, lf_error *err)
 
 static const char *const edges[] = {"left", "right", "top", "bottom"};
 
+static double ghost_of(const json_t *compensation, const char *key)
+{
+    return json_number_value(json_object_get(json_object_get(compensation, key), "mean"));
+}
+
 /* What is true of the whole print, in words. */
 static void tell_views(const job *j)
 {
@@ -427,6 +490,11 @@ static void tell_views(const job *j)
            j->sheet.horizontal ? "above and below" : "left and right of");
     lf_log(LF_LOG_INFO, "an eye gets %.0f %% of its light from its own view (worst lens %.0f %%)",
            100.0 * own.mean, 100.0 * own.worst);
+    const json_t *made = json_object_get(j->manifest, "compensation");
+    if (made)
+        lf_log(LF_LOG_INFO,
+               "compensated: by its manifest, ghosts are %.2g %% of white, and %.2g %% without it",
+               100.0 * ghost_of(made, "ghost_left"), 100.0 * ghost_of(made, "ghost_before"));
     if (drift > 0.5 / j->sheet.n_views)
         lf_log(LF_LOG_WARNING,
                "the pitch of the print is not the sheet's: the views shift by %.2g of their range "
