@@ -7,14 +7,15 @@
 #include "quilt/proof/simulate.h"
 #include "quilt/proof/simulate_weight.h"
 
-/* Parts of a pixel's kernel; sweeps over the unknown weights of spots. */
-enum { PARTS = 32, SWEEPS = 400, MOST = LF_PRINT_CROSSTALK };
+/* Parts of a pixel's kernel; sweeps over the unknown weights of spots; rounds of both fits. */
+enum { PARTS = 32, SWEEPS = 200, ROUNDS = 4, MOST = LF_PRINT_CROSSTALK };
 
 typedef struct fit {
     double stripe, pixel, spot; /* mm */
     bool nearest;
     int n;
     double wanted[2 * MOST + 1]; /* from left to right on the print */
+    double share[2 * MOST + 1];  /* of spots */
 } fit;
 
 /* The light of the stripe that is k stripes to the right, in a spot `place` to the right. */
@@ -35,29 +36,35 @@ static double share_of(const fit *f, int k, double place, double ink)
     return sum / (weights * f->spot);
 }
 
-static double distance_of(const fit *f, double place, double ink)
+/* What is left of the kernel by a sum of such spots, one stripe apart. */
+static double distance_of(const fit *f, const double at[2])
 {
-    double sum = 0.0;
-    if (ink < 0.0)
+    double one[4 * MOST + 1], sum = 0.0;
+    const int n = f->n;
+    if (at[1] < 0.0)
         return (double)INFINITY;
-    for (int k = -f->n; k <= f->n; k++) {
-        const double off = share_of(f, k, place, ink) - f->wanted[f->n + k];
+    for (int k = -2 * n; k <= 2 * n; k++)
+        one[2 * n + k] = share_of(f, k, at[0], at[1]);
+    for (int k = -n; k <= n; k++) {
+        double off = f->wanted[n + k];
+        for (int e = -n; e <= n; e++)
+            off -= f->share[n + e] * one[2 * n + k - e];
         sum += off * off;
     }
     return sum;
 }
 
-/* Place and ink of the spot that is nearest to the kernel: a search with steps that are halved when
- * none helps. */
+/* Place and ink of the spots that are nearest to the kernel: a search with steps that are halved
+ * when none helps. */
 static void fit_spot(const fit *f, double at[2])
 {
-    double best = distance_of(f, at[0], at[1]);
+    double best = distance_of(f, at);
     for (double step = 0.25 * f->stripe; step > 0.001 * f->stripe;) {
         double better[2] = {at[0], at[1]};
         for (int way = 0; way < 4; way++) {
             double next[2] = {at[0], at[1]};
             next[way / 2] += way % 2 ? step : -step;
-            const double distance = distance_of(f, next[0], next[1]);
+            const double distance = distance_of(f, next);
             if (distance < best) {
                 best = distance;
                 memcpy(better, next, sizeof better);
@@ -70,10 +77,11 @@ static void fit_spot(const fit *f, double at[2])
 }
 
 /* Weights of spots, one stripe apart, whose sum is nearest to the kernel; none is below 0. */
-static void divide(const fit *f, const double at[2], double *share)
+static void divide(fit *f, const double at[2])
 {
     const int n = f->n;
-    double one[4 * MOST + 1], left[2 * MOST + 1], norm[2 * MOST + 1] = {0}, sum = 0.0;
+    double *share = f->share, one[4 * MOST + 1], left[2 * MOST + 1], norm[2 * MOST + 1] = {0},
+           sum = 0.0;
     for (int k = -2 * n; k <= 2 * n; k++)
         one[2 * n + k] = share_of(f, k, at[0], at[1]);
     for (int k = -n; k <= n; k++) {
@@ -113,11 +121,15 @@ void lf_proof_fit_spots(const lf_print *print, double pixel_mm, lf_proof_sheet *
     f.spot = blur->spot_mm > 0.0 ? blur->spot_mm : 0.5 * f.stripe;
     for (int k = -n; k <= n; k++) /* views run from right to left */
         f.wanted[n + k] = blur->crosstalk[print->reverse ? n + k : n - k];
-    fit_spot(&f, at);
+    f.share[n] = 1.0;
+    for (int i = 0; i < ROUNDS; i++) {
+        fit_spot(&f, at);
+        divide(&f, at);
+    }
     sheet->spot_mm = f.spot;
     sheet->ink_mm = at[1];
     sheet->spots.n = 2 * n + 1;
-    divide(&f, at, sheet->spots.share);
+    memcpy(sheet->spots.share, f.share, sizeof f.share);
     for (int k = 0; k <= 2 * n; k++)
         sheet->spots.right_mm[k] = at[0] + (k - n) * f.stripe;
 }
