@@ -106,7 +106,7 @@ static void add_along(sight *s, int lens, double along, double weight, const flo
     const lf_proof_light *out = s->out;
     const double low = (along - s->along_half - out->along0_mm) / out->along_mm,
                  high = (along + s->along_half - out->along0_mm) / out->along_mm;
-    const int first = (int)floor(low), last = (int)floor(high);
+    const int first = (int)fmax(floor(low), 0.0), last = (int)fmin(floor(high), out->n_along - 1.0);
     for (int i = first; i <= last; i++) {
         const double covered = fmin(high, i + 1.0) - fmax(low, (double)i);
         if (covered > 0.0)
@@ -117,7 +117,10 @@ static void add_along(sight *s, int lens, double along, double weight, const flo
 static void add_linear(sight *s, place p, const float light[3])
 {
     const double half = s->across.reach / s->visual_mm;
-    for (int lens = (int)ceil(p.across - half); lens <= p.across + half; lens++) {
+    const lf_proof_light *out = s->out;
+    const int first = (int)fmax(ceil(p.across - half), out->first),
+              last = (int)fmin(floor(p.across + half), out->first + out->n - 1.0);
+    for (int lens = first; lens <= last; lens++) {
         const double w = lf_weight_at(&s->across, (p.across - lens) * s->visual_mm);
         if (w > 0.0)
             add_along(s, lens, p.along, w, light);
@@ -326,7 +329,7 @@ static void finish_light(sight *s)
 static lf_status see(sight *s, lf_print_file *file, const lf_cancel *cancel, lf_error *err)
 {
     for (int y = s->first[1]; y < s->end[1]; y++) {
-        if (cancel && y % 64 == 0 && atomic_load_explicit(cancel, memory_order_relaxed))
+        if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
             return lf_error_set(err, LF_E_CANCELLED, "proof", "interrupted");
         const lf_status status = see_row(s, file, y, err);
         if (status != LF_OK)

@@ -255,6 +255,47 @@ static void mistakes_are_one_line(void **state)
     assert_false(qr_exists(f->folder, "x.png"));
 }
 
+/* A proof never replaces the print or its manifest. */
+static void the_print_and_its_manifest_stay(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "%s/flip.tif --simulate -o %s/flip.json", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "is the manifest of a print");
+    qr_succeed("%s/flip.tif --simulate -o %s/seen.png", f->folder, f->folder);
+    assert_int_equal(symlink("flip.tif", lf_test_path(f->folder, "link.png")), 0);
+    qr_run(&o, "%s/flip.tif --simulate -o %s/link.png", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "-o: is the print itself");
+    /* other numbers are replaced */
+    for (int i = 0; i < 2; i++)
+        qr_succeed("%s/flip.tif --simulate -o %s/numbers.json", f->folder, f->folder);
+}
+
+static void options_without_a_use_are_refused(void **state)
+{
+    const qr_files *f = *state;
+    static const char *const useless[] = {
+        "--label x", "--relief",   "--frame-set 100", "--guard 1",       "--morph 2",
+        "--marks",   "--bits 16",  "--icc x",         "--compensate on", "--headroom .1",
+        "--bleed 2", "--gutter 5", "--paper 210x297"};
+    static const char *const wrong[][2] = {
+        {"x.gif --mark", "--mark: is for images"},
+        {"x.json --mark", "--mark: is for images"},
+        {"x.png --mark --stereo=anaglyph", "--mark: is red and blue"},
+        {"x.png --eye-distance 60", "--eye-distance: needs --stereo"}};
+    qr_outcome o;
+    for (size_t i = 0; i < sizeof useless / sizeof *useless; i++) {
+        qr_run(&o, "%s/flip.tif --simulate -o %s/x.png %s", f->folder, f->folder, useless[i]);
+        qr_assert_fails(&o, 2, "does nothing with --simulate");
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        qr_run(&o, "%s/flip.tif --simulate -o %s/%s", f->folder, f->folder, wrong[i][0]);
+        qr_assert_fails(&o, 2, wrong[i][1]);
+    }
+    qr_succeed("%s/flip.tif --simulate -o %s/seen.png --map exact --stripes nearest --spot .02",
+               f->folder, f->folder);
+}
+
 static void a_print_that_was_resized_is_refused(void **state)
 {
     const qr_files *f = *state;
@@ -290,6 +331,8 @@ int main(void)
         cmocka_unit_test(a_lens_is_enough),
         cmocka_unit_test(numbers_are_written_as_json),
         cmocka_unit_test(mistakes_are_one_line),
+        cmocka_unit_test(the_print_and_its_manifest_stay),
+        cmocka_unit_test(options_without_a_use_are_refused),
         cmocka_unit_test(a_print_that_was_resized_is_refused),
     };
     return cmocka_run_group_tests_name("quiltrender --simulate", tests, set_up, qr_tear_down);
