@@ -243,8 +243,7 @@ static void complete_names(lf_simulate_job *j, double distance_mm)
         give(&j->given, "dpi");
     if (distance_mm > 0.0)
         give(&j->given, "distance");
-    if (j->names.lens && !j->names.printer && printer && lf_profile_is_name(printer) &&
-        !lf_profile_is_path(printer) &&
+    if (j->names.lens && !j->names.printer && printer && !lf_profile_is_path(printer) &&
         lf_profile_find(LF_PROFILE_PRINTER, printer, path, NULL) == LF_OK)
         j->names.printer = printer;
 }

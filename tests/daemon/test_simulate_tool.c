@@ -201,6 +201,19 @@ static void a_lens_is_enough(void **state)
     const char *own = strstr(o.err, "an eye gets ");
     assert_non_null(own);
     assert_in_range(atoi(own + strlen("an eye gets ")), 58, 61); /* the crosstalk's 0.6 */
+    /* a manifest may be anyone's: it names no files */
+    json_error_t where;
+    const char *path = lf_test_path(f->folder, "known.json");
+    json_t *manifest = json_load_file(path, 0, &where), *own_printer;
+    assert_non_null(manifest);
+    own_printer = json_object_get(json_object_get(manifest, "profiles"), "printer");
+    json_object_set_new(own_printer, "profile",
+                        json_string(lf_test_path(f->folder, "quiltd/printers/here.json")));
+    assert_int_equal(json_dump_file(manifest, lf_test_path(f->folder, "known.json"), 0), 0);
+    json_decref(manifest);
+    qr_run(&o, "%s/known.tif --simulate -o %s/seen.png --lens own", f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "the pitch is not measured"));
     unsetenv("XDG_CONFIG_HOME");
     /* the printer's profile is not here */
     qr_run(&o, "%s/known.tif --simulate -o %s/seen.png --lens %s/quiltd/lenses/own.json", f->folder,
