@@ -14,6 +14,8 @@ reader() { # name of a page
     cp -rL "$scenes" scenes
     [ ! -e ../getting-started/scene.json ] || cp ../getting-started/scene.json . # which the page on scripts goes on from
     printf '{ "pitch": 52, "slope": -7, "center": 0.5, "DPI": 324, "screenW": 300, "screenH": 400 }\n' > visual.json
+    # what --read-chart makes of a photo of paper
+    printf '{ "quiltd_chart_reading": 1, "visual_lpi": 60.13, "error_lpi": 0.001, "distance_mm": 400, "phase_mm": 0.02 }\n' > result.json
     quiltrender helmet.glb -o helmet.png && quiltrender helmet.glb -o photo.jpg --still && cp photo.jpg photos/1.jpg && cp photo.jpg photos/2.jpg
     quiltrender helmet.glb -o photo_rgbd.png --rgbd right && quiltrender helmet.glb -o top.png --rgbd top && mv top.png holiday.jpg
     quiltrender helmet.glb -o depth.png --still && mkdir album && cp photo_rgbd.png album/1.png && cp photo_rgbd.png album/2.png
