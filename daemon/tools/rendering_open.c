@@ -53,8 +53,6 @@ lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *e
     const char *where = r->print.n_views > 0 ? "--views" : "--print";
     lf_status status = lf_print_choose_views(&r->print, n_views_most, where, NULL, err);
     if (status == LF_OK)
-        lf_print_fit_crosstalk(&r->print.blur, r->print.n_views);
-    if (status == LF_OK)
         status = r->arguments->kind->check_print(&r->print, &warning, err);
     if (status == LF_OK && warning && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_WARNING, "%s: %s", where, warning);

@@ -13,14 +13,14 @@
 
 typedef struct lf_compensate lf_compensate;
 
-/* For lf_print_check. LF_E_ARG: nothing is known of the blur, values out of range, a sheet whose
- * rows differ. */
+/* For lf_print_check. LF_E_ARG: nothing is known of the blur, values out of range, lenses that
+ * lean, micro sheets. */
 LF_NODISCARD lf_status lf_compensate_check(const lf_print *print, lf_error *err);
 
-/* What all rows share, of a print that has it on. mix[pixels across the lenses]; all are borrowed.
- * *out is NULL if compensation is off. LF_E_NOMEM. */
+/* What all rows share, of a print that has it on. References are borrowed. *out is NULL if
+ * compensation is off. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_compensate_create(const lf_print *print, const lf_print_shape *shape,
-                                            const lf_stripe_mix *mix, lf_compensate **out);
+                                            lf_compensate **out);
 /* One for a thread that makes rows; it borrows `whole`. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_compensate_share(lf_compensate *whole, const lf_print_source *source,
                                            lf_compensate **out);

@@ -142,6 +142,8 @@ LF_NODISCARD lf_status lf_slanted_create(const lf_print *print, const lf_print_s
 void lf_slanted_destroy(lf_slanted *slanted);
 /* Linear light of row y of the picture, [raster_width][3]. Rows in any order. */
 void lf_slanted_row(lf_slanted *slanted, int y, float *row);
+/* Vertical lenses: the samples of the last row, [n_views][n_lenses][3]. */
+const float *lf_slanted_samples(const lf_slanted *slanted);
 
 /* Micro sheets. */
 typedef struct lf_micro lf_micro;

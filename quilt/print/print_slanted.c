@@ -208,3 +208,8 @@ void lf_slanted_row(lf_slanted *s, int y, float *row)
         add_stripes(s, middle, &spread, &at, out);
     }
 }
+
+const float *lf_slanted_samples(const lf_slanted *s)
+{
+    return s->samples;
+}

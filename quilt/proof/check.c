@@ -113,6 +113,8 @@ static void say_unmeasured(const lf_check *check, char *out, size_t size)
                              : "not measured for micro lenses");
     else if (!check->fits)
         snprintf(out, size, "not measured: the file is not what the manifest describes");
+    else if (check->print.compensation.on)
+        snprintf(out, size, "not measured in a compensated picture, whose stripes are mixed");
     else if (!check->grid.can)
         snprintf(out, size,
                  "cannot be measured in this picture: %d views in %.4g pixels do not share enough",

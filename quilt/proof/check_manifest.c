@@ -105,6 +105,8 @@ lf_status lf_check_manifest_read(lf_check *check, lf_error *err)
     check->is_chart = json_is_object(json_object_get(*root, "chart"));
     status = take_options(json_object_get(*root, "options"), &check->print, &problem);
     if (status == LF_OK)
+        status = lf_print_take_crosstalk(*root, "manifest", &check->print.blur, &problem);
+    if (status == LF_OK)
         status = check->is_chart ? lf_chart_check(&check->print, &problem)
                                  : lf_print_check(&check->print, NULL, &problem);
     if (status != LF_OK)

@@ -194,6 +194,8 @@ lf_status lf_proof_print_of(const lf_print_file *file, const json_t *manifest, c
                              : lf_error_set(err, LF_E_NOMEM, where, "out of memory");
     if (status == LF_OK && lf_param_from_json(lf_print_params, given, out, where, err) != LF_OK)
         status = LF_E_FORMAT;
+    if (status == LF_OK)
+        status = lf_print_take_crosstalk(manifest, where, &out->blur, err);
     json_decref(given);
     return status;
 }

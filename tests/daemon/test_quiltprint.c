@@ -344,6 +344,27 @@ static void a_print_takes_what_is_not_given_from_profiles(void **state)
     json_decref(manifest);
 }
 
+/* Crosstalk comes from a chart only; the profile's thickness makes the map exact. */
+static void a_measured_crosstalk_is_compensated(void **state)
+{
+    const char *f = *state;
+    char line[PATH_MAX];
+    says(f, "set lens acme pitch_lpi=60.2 thickness_mm=0.6 index=1.56", 0, "wrote");
+    snprintf(line, sizeof line, "calibrate acme epson-720 %s",
+             lf_test_write(f, "result.json", READING("60.13", "400")));
+    says(f, line, 0, "wrote");
+    if (render(f, "--lens acme --printer epson-720 --compensate on --views 9") != 0)
+        fail_msg("%s", got.text);
+    assert_non_null(strstr(got.text, "compensated: ghosts of"));
+    json_t *manifest = loaded(f, "out.json"), *crosstalk = json_object_get(manifest, "crosstalk");
+    assert_int_equal(json_integer_value(json_object_get(crosstalk, "views")), 8);
+    assert_true(json_number_value(json_array_get(json_object_get(crosstalk, "shares"), 1)) == 0.8);
+    assert_string_equal(
+        json_string_value(json_object_get(json_object_get(manifest, "lens"), "map")), "exact");
+    assert_non_null(json_object_get(manifest, "compensation"));
+    json_decref(manifest);
+}
+
 /* Which kinds of prints need no --print. */
 static void every_kind_of_print_takes_profiles(void **state)
 {
@@ -394,6 +415,7 @@ int main(void)
         in_folder(folders_of_others_are_not_written_to),
         in_folder(a_bad_profile_is_told_and_the_rest_listed),
         in_folder(a_print_takes_what_is_not_given_from_profiles),
+        in_folder(a_measured_crosstalk_is_compensated),
         in_folder(every_kind_of_print_takes_profiles),
         in_folder(what_cannot_be_printed_with_profiles_is_told),
     };

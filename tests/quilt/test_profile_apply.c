@@ -124,38 +124,6 @@ static void a_calibration_gives_the_pitch(void **state)
     assert_int_equal(told.warnings.length, 0);
 }
 
-static void crosstalk_is_that_of_the_views_of_the_print(void **state)
-{
-    /* by hand: shares of eighths of a lens, as areas of even light */
-    static const struct {
-        int n_views, n;
-        double crosstalk[7];
-    } of[] = {{8, 1, {0.1, 0.8, 0.1}},
-              {4, 1, {0.05, 0.9, 0.05}}, /* half of a neighbour is in the own view */
-              {16, 3, {0.025, 0.05, 0.225, 0.4, 0.225, 0.05, 0.025}},
-              {2, 0, {1}}};
-    (void)state;
-    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
-        lf_print_blur blur = {.n_crosstalk = 1, .crosstalk = {0.1, 0.8, 0.1}, .crosstalk_views = 8};
-        lf_print_fit_crosstalk(&blur, of[i].n_views);
-        assert_int_equal(blur.n_crosstalk, of[i].n);
-        for (int k = 0; k <= 2 * blur.n_crosstalk; k++)
-            lf_assert_close(blur.crosstalk[k], of[i].crosstalk[k], 1e-12, 1e-15);
-    }
-    /* more than there is room for is cut, and the rest sums to 1 */
-    lf_print_blur wide = {.n_crosstalk = 8, .crosstalk_views = 8};
-    for (int k = 0; k < 17; k++)
-        wide.crosstalk[k] = 1.0 / 17;
-    lf_print_fit_crosstalk(&wide, 40);
-    assert_int_equal(wide.n_crosstalk, LF_PRINT_CROSSTALK);
-    for (int k = 0; k < 17; k++)
-        lf_assert_close(wide.crosstalk[k], 1.0 / 17, 1e-12, 0);
-    /* already in the print's views */
-    lf_print_blur own = {.n_crosstalk = 1, .crosstalk = {0.1, 0.8, 0.1}};
-    lf_print_fit_crosstalk(&own, 5);
-    assert_true(own.crosstalk[1] == 0.8);
-}
-
 static void an_option_wins_over_profiles(void **state)
 {
     static const struct {
@@ -416,7 +384,6 @@ int main(void)
         cmocka_unit_test(the_pitch_at_a_distance_is_that_of_the_closed_form),
         cmocka_unit_test(thickness_and_angle_belong_together),
         cmocka_unit_test(a_calibration_gives_the_pitch),
-        cmocka_unit_test(crosstalk_is_that_of_the_views_of_the_print),
         cmocka_unit_test(an_option_wins_over_profiles),
         cmocka_unit_test(the_thickness_that_was_given_counts_for_the_pitch),
         cmocka_unit_test(what_is_unknown_is_told),
