@@ -248,12 +248,24 @@ static void complete_names(lf_simulate_job *j, double distance_mm)
         j->names.printer = printer;
 }
 
+/* With a profile of a sheet, nothing is left of the sheet that the print was made for. Phase, rows
+ * of views and what the printer does belong to the print. */
+static void forget_sheet(lf_print *print)
+{
+    print->optics.thickness_mm = print->optics.index = print->optics.radius_mm = 0.0;
+    print->optics.angle = print->optics.slant = 0.0;
+    print->blur.spot_mm = 0.0;
+    print->blur.n_crosstalk = 0;
+}
+
 /* The manifest first, then profiles, then what the command line has. */
 static lf_status open_sheet(lf_simulate_job *j, int argc, char *const argv[], lf_error *err)
 {
     bool done;
     lf_status status = lf_proof_print_of(j->file, j->manifest, j->in, &j->print, err);
     j->printed = j->print;
+    if (j->names.lens)
+        forget_sheet(&j->print);
     if (status == LF_OK)
         status = read_options(j, argc, argv, &done, err);
     if (status == LF_OK)

@@ -201,6 +201,15 @@ static void a_lens_is_enough(void **state)
     const char *own = strstr(o.err, "an eye gets ");
     assert_non_null(own);
     assert_in_range(atoi(own + strlen("an eye gets ")), 58, 61); /* the crosstalk's 0.6 */
+    /* nothing is left of the sheet that a print was made for */
+    lf_test_write(f->folder, "quiltd/lenses/bare.json",
+                  "{\"quiltd_lens\": 1, \"pitch_lpi\": 60.2}");
+    qr_succeed("%s -o %s/thick.tif --print 60.13@600 --print-size 30x20 --views 6 --thickness 0.6 "
+               "--distance 400",
+               f->quilt, f->folder);
+    qr_run(&o, "%s/thick.tif --simulate -o %s/seen.png --lens bare", f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "the sheet's thickness is not known"));
     /* a manifest may be anyone's: it names no files */
     json_error_t where;
     const char *path = lf_test_path(f->folder, "known.json");
