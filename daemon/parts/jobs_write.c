@@ -169,6 +169,7 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
     lf_status status = open_profiles(job, snapshot ? snapshot->content : NULL, &print, profiles);
     if (status == LF_OK)
         status = write_picture(job, snapshot, &print);
+    job->account = json_incref(profiles->account);
     lf_profiles_finish(profiles);
     lf_free(profiles);
     return status;

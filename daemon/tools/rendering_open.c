@@ -440,6 +440,9 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
+    if (status == LF_OK && a->kind->check_print &&
+        lf_print_check_wanted(&a->of_print.check, r->path))
+        status = lf_print_check_room_beside(r->path, err);
     if (status == LF_OK && a->kind->check_print && a->kind->n_files > 0 && !a->plan)
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;

@@ -384,6 +384,14 @@ static json_t *lens_json(const lf_lens_profile *lens)
     return out;
 }
 
+static json_t *numbers_of(const double *values, int n)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(list, json_real(values[i]));
+    return list;
+}
+
 static json_t *printer_json(const lf_printer_profile *printer)
 {
     json_t *out = file_json(&printer->file, printer->title);
@@ -391,6 +399,8 @@ static json_t *printer_json(const lf_printer_profile *printer)
     set_known(out, "dpi_down", printer->dpi_down);
     set_known(out, "dot_gain", printer->dot_gain);
     set_known(out, "ink_mm", printer->ink_mm);
+    if (printer->n_native > 0)
+        json_object_set_new(out, "native_dpi", numbers_of(printer->native_dpi, printer->n_native));
     return out;
 }
 

@@ -208,14 +208,40 @@ static void judge_stored(lf_check *check)
         tags ? (double)tags->width * tags->height * tags->samples * (tags->bits > 8 ? 2 : 1) : 0.0;
     if (check->trouble[0])
         lf_check_say(check, CHECK_STORED, LF_CHECK_FAIL, limit,
-                     "The file is damaged; copy or write it again.", "%s", check->trouble);
+                     "The file is damaged, or of another program; copy or write it again.", "%s",
+                     check->trouble);
     else if (tags->big && 1.7 * raster < BIG_FILE)
         lf_check_say(check, CHECK_STORED, LF_CHECK_WARN, limit,
                      "Another program has saved the file; some printers cannot read BigTIFF.",
                      "a BigTIFF of %.1f MB", 1e-6 * (double)tags->file_bytes);
     else
         lf_check_say(check, CHECK_STORED, LF_CHECK_PASS, limit, NULL, "%s, %.1f MB",
-                     tags->big ? "BigTIFF" : "TIFF", 1e-6 * (double)tags->file_bytes);
+                     lf_print_file_boxes(check->file) ? "PDF"
+                     : tags->big                      ? "BigTIFF"
+                                                      : "TIFF",
+                     1e-6 * (double)tags->file_bytes);
+}
+
+/* Why bleed and marks are not measured. */
+static void say_edges(lf_check *check)
+{
+    const lf_print *print = &check->print;
+    const char *why = check->is_chart ? "a chart, whose marks are not measured"
+                      : check->laid   ? "not measured on a page with several copies or a label"
+                      : !check->fits  ? "not measured: the file is not what was promised"
+                      : !print->marks ? "the bleed is too narrow to be measured"
+                      : check->linear ? "not measured for slanted lenses or an exact map"
+                                      : "not measured for micro lenses";
+    if (check->report->points[CHECK_EDGES].measured[0] != '\0')
+        return;
+    if (!check->known)
+        lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL,
+                     "not measured without a manifest");
+    else if (!print->marks && !(print->bleed_mm > 0.0))
+        lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL, "no bleed and no marks");
+    else
+        lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL, "bleed %g mm%s: %s",
+                     print->bleed_mm, print->marks ? ", marks" : "", why);
 }
 
 /* --------------------------------------------------------------------------------------- run -- */
@@ -224,10 +250,11 @@ static void judge_stored(lf_check *check)
 static void say_nothing_yet(lf_check *check)
 {
     for (int point = 0; point < LF_CHECK_POINTS; point++)
-        lf_check_say(check, point, LF_CHECK_NONE, NULL, NULL, "not measured");
+        lf_check_say(check, point, LF_CHECK_NONE, NULL, NULL,
+                     point == CHECK_EDGES ? "" : "not measured");
     lf_check_say(check, CHECK_PDF, LF_CHECK_NONE, NULL, NULL, "the file is a TIFF");
-    lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL, "no bleed and no marks");
-    lf_check_say(check, CHECK_SAME, LF_CHECK_NONE, NULL, NULL, "the print was not written here");
+    lf_check_say(check, CHECK_SAME, LF_CHECK_NONE, NULL, NULL,
+                 "the file was not compared with what was written");
 }
 
 /* LF_E_PATH and LF_E_IO are the caller's to tell; damage is a point. */
@@ -248,8 +275,9 @@ static lf_status open_file(lf_check *check, lf_error *err)
         return status;
     }
     snprintf(check->trouble, sizeof check->trouble, "%s", trouble.what);
-    lf_check_say(check, CHECK_LOSSLESS, LF_CHECK_FAIL, "a TIFF", "Write the print again.", "%s",
-                 trouble.what);
+    lf_check_say(check, CHECK_LOSSLESS, LF_CHECK_FAIL, "a TIFF, or a PDF of quiltrender",
+                 "Write the print again.", "%s", trouble.what);
+    lf_check_say(check, CHECK_PDF, LF_CHECK_NONE, NULL, NULL, "the file cannot be read");
     return LF_OK;
 }
 
@@ -301,8 +329,10 @@ static lf_status run(lf_check *check, lf_error *err)
         status = lf_check_manifest(check, err);
     if (status != LF_OK)
         return status;
-    if (check->file)
+    if (check->file) {
         lf_check_tags(check);
+        lf_check_pdf(check);
+    }
     check->fits = fits(check);
     status = compare_witness(check, err);
     if (status == LF_OK)
@@ -318,6 +348,8 @@ static lf_status run(lf_check *check, lf_error *err)
     judge_positions(check);
     judge_resampling(check);
     judge_stored(check);
+    lf_check_views(check);
+    say_edges(check);
     return LF_OK;
 }
 

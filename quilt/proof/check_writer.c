@@ -354,11 +354,12 @@ static void judge(lf_check *check, const strip *s, const double *codes, const sh
 {
     static const char as_defined[] = "each eye sees its own view most";
     const bool whole = check->differing == 0;
-    char where[64], limit[96];
+    const lf_check_result holds = whole ? LF_CHECK_PASS : LF_CHECK_NONE;
+    const char *where = whole ? "by the writer's strip; the file has the writer's rows"
+                              : "by the options alone: the file was not compared with what was "
+                                "written";
+    char limit[96];
     lf_check_meter meter;
-    snprintf(where, sizeof where, "%s",
-             whole ? "the writer's strip; the file has the writer's rows"
-                   : "the writer's strip for these options");
     snprintf(limit, sizeof limit, "at least %.3f on average, %.3f at the worst lens",
              ideal->mean - SHARE_TOLERANCE, fmax(ideal->worst - SHARE_TOLERANCE, 0.0));
     if (check->differing > 0)
@@ -366,63 +367,56 @@ static void judge(lf_check *check, const strip *s, const double *codes, const sh
                      "The file is not what was written; write the print again.",
                      "%d sampled rows differ from those that were written", check->differing);
     else
-        lf_check_say(check, CHECK_ORDER, seen->in_order ? LF_CHECK_PASS : LF_CHECK_FAIL, as_defined,
-                     "Report this to the makers of quiltd: the writer is wrong.", "%s by %s%s%s",
+        lf_check_say(check, CHECK_ORDER, seen->in_order ? holds : LF_CHECK_FAIL, as_defined,
+                     "Report this to the makers of quiltd: the writer is wrong.", "%s %s%s%s",
                      seen->in_order ? "in order" : "not in order", where,
                      s->print.reverse ? "; reversed, as asked" : "",
                      s->print.mirror ? "; mirrored, for the back of the sheet" : "");
     const bool enough = seen->mean >= ideal->mean - SHARE_TOLERANCE &&
                         seen->worst >= ideal->worst - SHARE_TOLERANCE;
-    lf_check_say(check, CHECK_SHARE, enough ? LF_CHECK_PASS : LF_CHECK_FAIL, limit,
+    lf_check_say(check, CHECK_SHARE, enough ? holds : LF_CHECK_FAIL, limit,
                  "Report this to the makers of quiltd: the writer is wrong.",
-                 "%.3f on average, %.3f at the worst lens; a neighbour has up to %.1f %%",
-                 seen->mean, seen->worst, 100.0 * seen->neighbour);
-    /* compensation moves the light of codes by microns; the own share tells where its stripes lie */
-    if (!s->print.compensation.on && lock_in(s, codes, &meter) && check->n_meters == 0 && whole)
+                 "%.3f on average, %.3f at the worst lens; a neighbour has up to %.1f %%%s",
+                 seen->mean, seen->worst, 100.0 * seen->neighbour,
+                 whole ? "" : "; by the options alone");
+    /* compensation moves the light of codes by microns; the own share tells where its stripes lie
+     */
+    if (!s->print.compensation.on && lock_in(s, codes, &meter) && check->n_meters == 0 && whole &&
+        !check->laid)
         lf_check_add_meter(check, &meter);
 }
 
-static void judge_same(lf_check *check, const strip *s)
+/* Whether the same settings give the same bytes. repeats: the writer's strip does; NULL: there is
+ * none. */
+static void judge_same(lf_check *check, const bool *repeats)
 {
     static const char limit[] = "the same settings give the same bytes";
+    const int n_rows = check->differing >= 0 ? check->options->witness->n_rows : 0;
     if (check->differing > 0)
         lf_check_say(check, CHECK_SAME, LF_CHECK_FAIL, limit,
                      "The disk or another program has changed the file; write it again.",
                      "%d of %d sampled rows differ from those that were written", check->differing,
-                     check->options->witness->n_rows);
-    else if (!s->repeats)
+                     n_rows);
+    else if (repeats && !*repeats)
         lf_check_say(check, CHECK_SAME, LF_CHECK_FAIL, limit,
                      "Test this machine's memory, then write the print again.",
                      "the writer's strip differs between two runs");
-    else
-        lf_check_say(check, CHECK_SAME, LF_CHECK_PASS, limit, NULL, "%s",
-                     check->differing == 0 ? "two strips are equal, and sampled rows are those "
-                                             "that were written"
-                                           : "two strips are equal");
-}
-
-/* A chart has no stripes to make again; its rows are compared. */
-static void judge_chart(lf_check *check)
-{
-    static const char limit[] = "the file has the rows that were written";
-    if (check->differing < 0)
-        lf_check_say(check, CHECK_SAME, LF_CHECK_NONE, NULL, NULL,
-                     "a chart is compared only when it is written");
-    else if (check->differing > 0)
-        lf_check_say(check, CHECK_SAME, LF_CHECK_FAIL, limit, "Write the chart again.",
-                     "%d of %d sampled rows differ from those that were written", check->differing,
-                     check->options->witness->n_rows);
-    else
+    else if (check->differing == 0)
         lf_check_say(check, CHECK_SAME, LF_CHECK_PASS, limit, NULL,
-                     "sampled rows are those that were written");
+                     "%d sampled rows are those that were written%s", n_rows,
+                     repeats ? ", and two strips are equal" : "");
+    else
+        lf_check_say(check, CHECK_SAME, LF_CHECK_NONE, limit, NULL,
+                     "the file was not compared with what was written%s",
+                     repeats ? "; two of the writer's strips are equal" : "");
 }
 
 lf_status lf_check_writer(lf_check *check, lf_error *err)
 {
-    if (check->known && check->is_chart)
-        judge_chart(check);
-    if (!check->known || check->is_chart || !check->linear)
+    if (!check->known || check->is_chart || lf_print_is_micro(&check->print)) {
+        judge_same(check, NULL);
         return LF_OK;
+    }
     strip s = {0};
     shape_strip(check, &s);
     const size_t n = (size_t)s.stripes.n, n_views = (size_t)s.print.n_views;
@@ -437,7 +431,7 @@ lf_status lf_check_writer(lf_check *check, lf_error *err)
         code_lines(&s, sums, ideal + n_views * n);
         if (seen.any)
             judge(check, &s, ideal + n_views * n, &seen, &best);
-        judge_same(check, &s);
+        judge_same(check, &s.repeats);
     }
     lf_free(ideal);
     lf_free(sums);

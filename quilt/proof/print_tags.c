@@ -75,6 +75,10 @@ bool lf_tiff_bytes(const lf_tiff *tiff, uint64_t at, void *out, size_t n)
 bool lf_tiff_element(const lf_tiff *tiff, const lf_tiff_list *list, uint64_t i, uint64_t *out)
 {
     uint8_t bytes[8];
+    if (tiff->is_pdf && i < list->count) {
+        *out = list->at;
+        return true;
+    }
     if (i >= list->count || list->bytes == 0 ||
         !lf_tiff_bytes(tiff, list->at + i * (uint64_t)list->bytes, bytes, (size_t)list->bytes))
         return false;
@@ -224,7 +228,7 @@ static lf_status read_head(lf_tiff *tiff, uint64_t *out_directory, lf_error *err
     if (!there || head[0] != head[1] || (head[0] != 'I' && head[0] != 'M') ||
         (version != 42 && version != 43))
         return lf_error_set(err, LF_E_FORMAT, tiff->where,
-                            "not a TIFF; give the print that quiltrender wrote");
+                            "neither a TIFF nor a PDF; give the print that quiltrender wrote");
     tiff->tags.big = version == 43;
     *out_directory = number_of(tiff, head + 4, 4);
     if (tiff->tags.big) {

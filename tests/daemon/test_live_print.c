@@ -126,7 +126,8 @@ static void prints_take_profiles_by_name(void **state)
                         "\"index\": 1.56, \"calibrations\": [{\"printer\": \"ink\", "
                         "\"visual_lpi\": 30, \"distance_mm\": 400}]}");
     (void)lf_test_write(config, "quiltd/printers/ink.json",
-                        "{\"quiltd_printer\": 1, \"dpi\": 360, \"dot_gain\": 0.1}");
+                        "{\"quiltd_printer\": 1, \"dpi\": 360, \"dot_gain\": 0.1, "
+                        "\"native_dpi\": [360]}");
     char outside[PATH_MAX];
     snprintf(outside, sizeof outside, "%s", lf_test_path(config, "quiltd/lenses/acme.json"));
     setenv("XDG_CONFIG_HOME", config, 1);
@@ -141,6 +142,18 @@ static void prints_take_profiles_by_name(void **state)
     assert_int_equal(
         json_array_size(json_object_get(json_object_get(manifest, "profiles"), "used")), 2);
     json_decref(manifest);
+    /* quiltctl prints what the profiles gave, and their warnings; 400 dpi are not native */
+    char command[3 * PATH_MAX], text[4096] = "";
+    snprintf(
+        command, sizeof command,
+        "'%s' --socket '%s' export print '%s' lens=acme printer=ink dpi=400 width=30 height=20",
+        lf_test_built("quiltctl"), l.socket, lf_test_path(config, "d.tif"));
+    FILE *from = popen(command, "r"); /* NOLINT(cert-env33-c) */
+    assert_non_null(from);
+    assert_true(fread(text, 1, sizeof text - 1, from) > 0);
+    assert_int_equal(pclose(from), 0);
+    assert_non_null(strstr(text, "lens acme: 30.0000 lpi at 400 mm"));
+    assert_non_null(strstr(text, "400 dpi is not a native resolution of ink"));
     /* what the call has wins */
     assert_string_equal(
         export_end(&c, profile_params("b.tif", "acme", "{\"lpi\": 25, \"dpi\": 300}")), "done");

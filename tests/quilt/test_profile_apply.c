@@ -386,7 +386,8 @@ static void profiles_are_accounted_for(void **state)
     lf_assert_ok(lf_roots_add(&roots, *state, &err), &err);
     put_lens(*state, "own/quiltd/lenses/acme.json", 60.2);
     (void)lf_test_write(*state, "own/quiltd/printers/ink.json",
-                        "{\"quiltd_printer\": 1, \"dpi\": 720, \"icc\": \"ink.icc\"}");
+                        "{\"quiltd_printer\": 1, \"dpi\": 720, \"icc\": \"ink.icc\", "
+                        "\"native_dpi\": [360, 720]}");
     const lf_print_given given = given_of("distance", &print, "400");
     print.icc_roots = &roots;
     lf_profile_names names = {0};
@@ -403,6 +404,9 @@ static void profiles_are_accounted_for(void **state)
                         profiles->lens.file.sha256);
     assert_true(json_number_value(json_object_get(of_lens, "pitch_lpi")) == 60.2);
     assert_true(json_number_value(json_object_get(of_printer, "dpi")) == 720);
+    const json_t *native = json_object_get(of_printer, "native_dpi");
+    assert_int_equal(json_array_size(native), 2);
+    assert_true(json_number_value(json_array_get(native, 1)) == 720);
     assert_int_equal(json_array_size(json_object_get(profiles->account, "used")), 2);
     assert_int_equal(json_array_size(json_object_get(profiles->account, "warnings")), 2);
     assert_null(print.icc_roots); /* found by name: the folders are the program's own */
