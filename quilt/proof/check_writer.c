@@ -377,7 +377,7 @@ static void judge(lf_check *check, const strip *s, const double *codes, const sh
                  "Report this to the makers of quiltd: the writer is wrong.",
                  "%.3f on average, %.3f at the worst lens; a neighbour has up to %.1f %%",
                  seen->mean, seen->worst, 100.0 * seen->neighbour);
-    /* compensation moves the light of codes by microns; the own share tells where its stripes lie */
+    /* compensation moves the light of codes by microns; the own share tells where stripes lie */
     if (!s->print.compensation.on && lock_in(s, codes, &meter) && check->n_meters == 0 && whole)
         lf_check_add_meter(check, &meter);
 }
