@@ -109,6 +109,9 @@ static lf_status write_result(const lf_render_arguments *a, const manifest *char
     const json_t *file = json_object_get(chart->json, "file");
     json_t *json =
         lf_chart_reading_json(reading, json_string_value(json_object_get(file, "sha256")));
+    if (json)
+        json_object_set_new(json, "orientation",
+                            json_string(chart->print.horizontal ? "horizontal" : "vertical"));
     char *text = json ? json_dumps(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     lf_status status = text ? lf_outfile_text(a->out, text, err)
                             : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");

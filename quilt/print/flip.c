@@ -90,7 +90,8 @@ void lf_flip_note(const lf_print *print, int n_images, lf_image_notes *notes)
 char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size)
 {
     buf[0] = '\0';
-    if (print->sheet.guard == 0 && print->sheet.morph == 0)
+    const bool is_flip = print->sheet.guard > 0 || print->sheet.morph > 0;
+    if (!is_flip && n_images <= print->n_views)
         return buf;
     for (int i = 0; i < print->n_views; i++) {
         const lf_stripe_content content = lf_flip_content(print, n_images, i);

@@ -62,6 +62,8 @@ const lf_param lf_calibration_rows[] = {
      .help = "turn of the sheet against the chart"},
     {.name = "error_lpi", NUMBER(calibration.error_lpi, 0, 100), .unit = "lpi",
      .help = "error of the pitch"},
+    {.name = "orientation", .place = offsetof(lf_profile_words, calibration.horizontal),
+     .type = LF_PARAM_SWITCH, .words = orientations, .help = "how the lenses ran"},
     {.name = "order", .place = offsetof(lf_profile_words, calibration.reverse),
      .type = LF_PARAM_SWITCH, .words = orders, .help = "order of the views under a lens"},
     {.name = "crosstalk_views", NUMBER(calibration.crosstalk_views, 2, 64),

@@ -213,6 +213,17 @@ static void a_reading_of_a_chart_is_kept(void **state)
     assert_true(number_of(json_array_get(list, 1), "visual_lpi") == 60.17);
     assert_true(number_of(json_array_get(list, 2), "visual_lpi") == 60.2);
     json_decref(lens);
+    /* of the other lenses: its own; vertical is what says nothing */
+    says(f, "calibrate acme canon-600 visual_lpi=60.3 distance_mm=400 orientation=horizontal", 0,
+         "wrote");
+    says(f, "calibrate acme canon-600 visual_lpi=60.4 distance_mm=400 orientation=vertical", 0,
+         "wrote");
+    lens = loaded(f, ACME);
+    list = json_object_get(lens, "calibrations");
+    assert_int_equal(json_array_size(list), 4);
+    assert_true(number_of(json_array_get(list, 2), "visual_lpi") == 60.4);
+    assert_true(number_of(json_array_get(list, 3), "visual_lpi") == 60.3);
+    json_decref(lens);
     /* another file */
     (void)lf_test_write(f, "result.json", "{\"quiltd_lens\": 1, \"pitch_lpi\": 60}");
     says(f, line, 1, "is not the reading of a chart");

@@ -112,6 +112,7 @@ static void a_photo_becomes_a_calibration(void **state)
         json_string_value(json_object_get(json, "chart_sha256")),
         json_string_value(json_object_get(json_object_get(chart, "file"), "sha256")));
     assert_int_equal(json_array_size(json_object_get(json, "warnings")), 0);
+    assert_string_equal(json_string_value(json_object_get(json, "orientation")), "vertical");
     json_decref(json);
     json_decref(chart);
     setenv("XDG_CONFIG_HOME", f, 1);
