@@ -298,8 +298,9 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
 /* Notes what may surprise in the layout of the sheet and of a flip of n images. print must have
  * passed lf_print_check. */
 void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *notes);
-/* One line about the copies of a sheet and about the stripes of a flip of n images, in buf; "" for
- * a print without. Images count from 0; "-" is a guard of one light. Returns buf. */
+/* One line about the copies of a sheet and about the stripes of a flip of n images, or of more
+ * images than a lens shows, in buf; "" for a print without. Images count from 0; "-" is a guard of
+ * one light. Returns buf. */
 char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_t size);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */

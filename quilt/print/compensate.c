@@ -314,8 +314,9 @@ static void stripes_of_rows(const lf_looked *k, int begin, int end, int *first, 
 {
     for (int b = 0; b < k->n_bands; b++) {
         const lf_unmix_part part = lf_unmix_part_of(&k->bands[b].unmix, begin, end);
-        *first = (int)fmin(*first, part.first_place / 2 - 1);
-        *last = (int)fmax(*last, (part.end_place - 1) / 2);
+        const int above = part.first_place / 2 - 1, below = (part.end_place - 1) / 2;
+        *first = (int)fmin(*first, above);
+        *last = (int)fmax(*last, below);
         for (int y = begin; y < end; y++) {
             const lf_stripe_mix *mix = &k->bands[b].mix[y];
             for (int slot = 0; slot < 3; slot++) {

@@ -28,14 +28,14 @@ void lf_compensate_destroy(lf_compensate *compensate); /* accepts NULL */
 
 /* Vertical lenses: replaces the interlaced row y [raster_width][3] of these samples
  * [n_views][n_lenses][3]. */
-void lf_compensate_across(lf_compensate *share, int y, const float *samples, float *row);
+void lf_compensate_across(lf_compensate *c, int y, const float *samples, float *row);
 /* Horizontal lenses: makes row y [raster_width][3]. Rising rows are fastest. */
-void lf_compensate_down(lf_compensate *share, int y, float *row);
+void lf_compensate_down(lf_compensate *c, int y, float *row);
 
 /* Light that a printer with this dot gain turns into the given light, both 0..1. */
 double lf_dot_gain_undone(double light, double gain);
 
 /* What is left after all rows, each made once. */
-lf_print_left lf_compensate_left(const lf_compensate *whole);
+lf_print_left lf_compensate_left(const lf_compensate *c);
 
 #endif

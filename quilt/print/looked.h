@@ -33,9 +33,9 @@ typedef struct lf_looked {
 #define LF_LOOKED_BETWEEN 0.012
 
 /* Straight lenses. References are borrowed. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_looked_init(lf_looked *looked, const lf_print *print,
+LF_NODISCARD lf_status lf_looked_init(lf_looked *k, const lf_print *print,
                                       const lf_print_shape *shape);
-void lf_looked_finish(lf_looked *looked);
+void lf_looked_finish(lf_looked *k);
 
 static inline int lf_looked_stripe(const lf_looked *looked, int lens, int view)
 {

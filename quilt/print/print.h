@@ -112,6 +112,9 @@ LF_NODISCARD lf_status lf_print_source_share(lf_print_source *copy);
  * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out);
+/* The n rows (columns) of that line from the first on alone, with the same values. */
+void lf_print_source_part(const lf_print_source *source, int i, int lens, int first, int n,
+                          float *out);
 /* One sample, [3]. */
 void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out);
 

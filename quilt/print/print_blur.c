@@ -89,7 +89,7 @@ typedef struct fitting {
 
 static double distance_of(const fitting *f, const lf_blur *blur)
 {
-    double kernel[SHARES], sum = 0.0;
+    double kernel[SHARES] = {0.0}, sum = 0.0;
     const lf_print_spot *spot = &blur->spot;
     if (spot->ink_px < 0.0 || lf_blur_width(blur) > f->widest_px)
         return (double)INFINITY;

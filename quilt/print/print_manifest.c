@@ -78,13 +78,13 @@ static bool hash_file(const lf_outfile *file, char out[static HEX_SIZE], int64_t
 
 /* ------------------------------------------------------------------------------------- parts -- */
 
-json_t *lf_print_file_json(const lf_outfile *tiff)
+json_t *lf_print_file_json(const lf_outfile *file)
 {
-    const char *slash = tiff->path ? strrchr(tiff->path, '/') : NULL;
-    const char *name = slash ? slash + 1 : tiff->path;
+    const char *slash = file->path ? strrchr(file->path, '/') : NULL;
+    const char *name = slash ? slash + 1 : file->path;
     char hash[HEX_SIZE];
     int64_t size = 0;
-    if (!hash_file(tiff, hash, &size))
+    if (!hash_file(file, hash, &size))
         return json_pack("{s:s?, s:n, s:n}", "name", name, "bytes", "sha256");
     return json_pack("{s:s?, s:I, s:s}", "name", name, "bytes", (json_int_t)size, "sha256", hash);
 }

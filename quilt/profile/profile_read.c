@@ -147,6 +147,7 @@ static lf_status take_calibration(const part *p, const json_t *values, lf_profil
         return wrong(p, "date", "expected a day, as 2026-11-29");
     if (words->chart_sha256 && !is_hash(words->chart_sha256))
         return wrong(p, "chart_sha256", "expected 64 hexadecimal digits");
+    c->has_horizontal = json_object_get(values, "orientation");
     status = take_text(p, "printer", words->of_printer, c->printer, sizeof c->printer);
     if (status == LF_OK)
         status = take_text(p, "date", words->date, c->date, sizeof c->date);

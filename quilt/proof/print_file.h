@@ -35,7 +35,7 @@ typedef struct lf_print_tags {
     int unit;          /* of the resolution: 1 none, 2 inch, 3 centimetre */
     /* numerator and denominator as stored, to the right and down; {0, 0}: no tag */
     uint32_t resolution[2][2];
-    double dpi[2]; /* dots per inch, to the right and down; 0: not known */
+    double dpi[2]; /* dots per inch, to the right and down; 0: not known, or none of a printer */
     int rows_per_strip, n_strips;
     bool tiled, palette;
     bool big;                       /* BigTIFF */

@@ -7,6 +7,9 @@
 
 /* Directories of prints have about twenty tags; other programs add some. */
 #define MAX_ENTRIES 512
+/* Other resolutions are none of a printer. */
+#define LEAST_DPI 1.0
+#define MOST_DPI 1e5
 /* More than LZW (4,094) and deflate (1,032) can expand a byte. */
 #define MAX_GROWTH 4200
 
@@ -273,9 +276,11 @@ static lf_status read_directory(lf_tiff *tiff, uint64_t at, lf_error *err)
 static void set_dpi(lf_print_tags *t)
 {
     for (int i = 0; i < 2; i++)
-        if (t->resolution[i][1] > 0 && (t->unit == 2 || t->unit == 3))
-            t->dpi[i] =
+        if (t->resolution[i][1] > 0 && (t->unit == 2 || t->unit == 3)) {
+            const double dpi =
                 (double)t->resolution[i][0] / t->resolution[i][1] * (t->unit == 3 ? 2.54 : 1.0);
+            t->dpi[i] = dpi >= LEAST_DPI && dpi <= MOST_DPI ? dpi : 0.0;
+        }
 }
 
 static lf_status check_strips(lf_tiff *tiff, lf_error *err)

@@ -185,16 +185,26 @@ static void a_proof_is_a_column_of_what_eyes_see(void **state)
     live_start(&l, l.scene, "--device", l.sim, NULL);
     live_connect(&l, &c);
     live_wait(&c, "coarse");
-    json_t *params = print_params("proof.png", 60, 30, 40, "vertical");
-    json_object_set_new(params, "kind", json_string("proof"));
-    assert_string_equal(export_end(&c, params), "done");
-    lf_assert_ok(lf_image8_read(lf_test_path(l.exports, "proof.png"), NULL, &column, &err), &err);
-    assert_int_equal(column.width, 71); /* lenses on 30 mm */
-    assert_int_equal(column.height, LF_OUTPUT_PROOF_EYES * 95);
-    /* eyes see different images */
-    assert_memory_not_equal(column.data + 47 * column.stride,
-                            column.data + (12 * 95 + 47) * column.stride, 3 * 71);
-    lf_image8_finish(&column);
+    json_t *params;
+    for (int round = 0; round < 2; round++) {
+        const char *name = round == 0 ? "proof.png" : "page.png";
+        params = print_params(name, 60, 30, 40, "vertical");
+        json_object_set_new(params, "kind", json_string("proof"));
+        if (round == 1) { /* one copy of a page that is far larger than a proof may be */
+            json_object_set_new(params, "columns", json_integer(20));
+            json_object_set_new(params, "rows", json_integer(20));
+            json_object_set_new(params, "gutter", json_integer(100));
+            json_object_set_new(params, "label", json_string("copy"));
+        }
+        assert_string_equal(export_end(&c, params), "done");
+        lf_assert_ok(lf_image8_read(lf_test_path(l.exports, name), NULL, &column, &err), &err);
+        assert_int_equal(column.width, 71); /* lenses on 30 mm */
+        assert_int_equal(column.height, LF_OUTPUT_PROOF_EYES * 95);
+        /* eyes see different images */
+        assert_memory_not_equal(column.data + 47 * column.stride,
+                                column.data + (12 * 95 + 47) * column.stride, 3 * 71);
+        lf_image8_finish(&column);
+    }
     params = print_params("large.png", 60, 1000, 1000, "vertical");
     json_object_set_new(params, "kind", json_string("proof"));
     json_object_set_new(params, "dpi", json_integer(600));
