@@ -70,15 +70,21 @@ void lf_axis_filter_finish(lf_axis_filter *filter)
     memset(filter, 0, sizeof *filter);
 }
 
-void lf_axis_filter_line(const lf_axis_filter *filter, const float *line, float *out)
+void lf_axis_filter_part(const lf_axis_filter *filter, int first, int n, const float *line,
+                         float *out)
 {
-    for (int i = 0; i < filter->n_out; i++) {
+    for (int i = first; i < first + n; i++) {
         const float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
         const float *in = line + 3 * (size_t)filter->first[i];
         float sum[3] = {0.0F, 0.0F, 0.0F};
         for (int t = 0; t < filter->n_taps[i]; t++)
             for (int c = 0; c < 3; c++)
                 sum[c] += weight[t] * in[3 * t + c];
-        memcpy(out + 3 * (size_t)i, sum, sizeof sum);
+        memcpy(out + 3 * (size_t)(i - first), sum, sizeof sum);
     }
+}
+
+void lf_axis_filter_line(const lf_axis_filter *filter, const float *line, float *out)
+{
+    lf_axis_filter_part(filter, 0, filter->n_out, line, out);
 }

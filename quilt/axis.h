@@ -21,5 +21,8 @@ LF_NODISCARD lf_status lf_axis_filter_init(lf_axis_filter *filter, int n_in, int
 void lf_axis_filter_finish(lf_axis_filter *filter);
 /* Resamples a line of n_in RGB pixels to n_out. */
 void lf_axis_filter_line(const lf_axis_filter *filter, const float *line, float *out);
+/* The n output pixels from the first on alone; line has the same origin. */
+void lf_axis_filter_part(const lf_axis_filter *filter, int first, int n, const float *line,
+                         float *out);
 
 #endif

@@ -30,6 +30,19 @@ double lf_lens_factor(const lf_lens *lens, double radius)
     return r / radius;
 }
 
+/* With a = n^2 - 1, b = n^2 D^2, u = 1 / sqrt(a r^2 + b) and w = a r^2 u^2 (0 to 1), a point R = r
+ * (1 + t u) of the print has the factor f = 1 / (1 + t u). By s = R^2, f' = (a/2) t u^3 f^3 / (1 +
+ * t b u^3), and |f''| <= (3a/2) u^2 f f'. Along a line f_xx = 2 f' + 4 x^2 f'', with x <= R = r /
+ * f: |f_xx| <= a t u^3 f^2 (f + 3 w). A line between points is off by step^2 / 8 of it, times R. In
+ * terms of w, R |f_xx| is at most t sqrt(a) / b times sqrt(w) (1 - w) (1 + 3 w) <= 0.89; f_xx
+ * itself is at most a t / sqrt(b)^3 times (1 - w)^1.5 (1 + 3 w) <= 1.15, and R grows by a step. */
+double lf_lens_factor_error(const lf_lens *lens, double step)
+{
+    const double a = lens->index * lens->index - 1.0, eye = lens->index * lens->distance;
+    return lens->thickness * step * step / 8.0 / (eye * eye) *
+           (0.89 * sqrt(a) + 1.15 * a * step / eye);
+}
+
 double lf_lens_phase(const lf_lens *lens, double x, double y, int channel)
 {
     if (!(lens->thickness > 0.0))

@@ -41,6 +41,9 @@ double lf_lens_phase(const lf_lens *lens, double x, double y, int channel);
 /* The radial map: the factor of a point at this distance from the middle. Point times factor is
  * the point of the lens plane through which the eye sees it, by Snell's law; 1 without a map. */
 double lf_lens_factor(const lf_lens *lens, double radius);
+/* How far off, in units of place, a point of the lens plane is at most, when its factor is
+ * interpolated linearly between two points of a straight line that are `step` apart. */
+double lf_lens_factor_error(const lf_lens *lens, double step);
 
 #define LF_DEGREE (3.14159265358979323846 / 180.0) /* in radians */
 

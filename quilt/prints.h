@@ -67,7 +67,7 @@ typedef struct lf_print_sheet {
 } lf_print_sheet;
 
 /* How a sheet and a printer blur the stripes. Zeroed: unknown. */
-enum { LF_PRINT_CROSSTALK = 8 };
+enum { LF_PRINT_CROSSTALK = 8, LF_PRINT_CROSSTALK_VIEWS = 64 };
 typedef struct lf_print_blur {
     double spot_mm;  /* width of the spot that a lens images onto the print, across the lenses (a
                       * box); 0: half a stripe */
@@ -78,7 +78,8 @@ typedef struct lf_print_blur {
     int n_crosstalk; /* measured: crosstalk[n + k] is the share of view i + k that is seen at view
                       * i, for k = -n to n; sum 1. 0: unknown */
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
-    int crosstalk_views; /* views under a lens that these are shares of; 0: as many as the print */
+    int crosstalk_views; /* views under a lens that these are shares of, 2..64; 0: as many as the
+                          * print. A chart with the print's raster is taken to have shown them */
 } lf_print_blur;
 
 typedef enum lf_lens_grid { LF_LENS_LINEAR, LF_LENS_SQUARE, LF_LENS_HEXAGONAL } lf_lens_grid;
@@ -110,7 +111,7 @@ static inline double lf_optics_index(const lf_optics *optics)
 /* What sheet and printer do wrong, as far as lf_print_blur knows it, is taken back before printing.
  * Zeroed: off. */
 typedef struct lf_compensation {
-    bool on;         /* needs one known value of lf_print_blur, straight lenses, the uniform map */
+    bool on;         /* needs one known value of lf_print_blur, and straight linear lenses */
     double headroom; /* linear light is pressed into headroom..1 - headroom first: 0..0.4 */
 } lf_compensation;
 
@@ -122,6 +123,8 @@ typedef struct lf_print_left {
     double own_share_worst;     /* … mean of all stripes and least of one */
     double ghost_before, ghost; /* mean, without compensation and with it */
     double worst_before, worst; /* largest */
+    double between_before,
+        between;    /* mean of eyes halfway between two views, who should see both */
     double clamped; /* fraction of the pixels' channels that would leave the gamut, 0..1 */
 } lf_print_left;
 
@@ -202,9 +205,10 @@ LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_wa
 LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where,
                                              const char *pointer, lf_error *err);
 
-/* Converts crosstalk to a print of n_views views under a lens. The light of a share is taken as
- * spread evenly over its view. */
-void lf_print_fit_crosstalk(lf_print_blur *blur, int n_views);
+/* Takes the measured crosstalk of a print from its manifest, if it has one. LF_E_FORMAT, with
+ * where: it is damaged. */
+LF_NODISCARD lf_status lf_print_take_crosstalk(const struct json_t *manifest, const char *where,
+                                               lf_print_blur *out, lf_error *err);
 
 /* The shape of the views to render for a print. Across the lenses there is one sample per lens
  * (each lens whose stripes touch the raster, with bleed). Along them there is one sample per
@@ -294,8 +298,9 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
 /* Notes what may surprise in the layout of the sheet and of a flip of n images. print must have
  * passed lf_print_check. */
 void lf_print_note_sheet(const lf_print *print, int n_images, lf_image_notes *notes);
-/* One line about the copies of a sheet and about the stripes of a flip of n images, in buf; "" for
- * a print without. Images count from 0; "-" is a guard of one light. Returns buf. */
+/* One line about the copies of a sheet and about the stripes of a flip of n images, or of more
+ * images than a lens shows, in buf; "" for a print without. Images count from 0; "-" is a guard of
+ * one light. Returns buf. */
 char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_t size);
 /* Lenses across a picture of the aspect print->view_aspect, where the print places it, with what it
  * cuts. print must have passed lf_print_check. */

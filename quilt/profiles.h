@@ -43,8 +43,10 @@ typedef struct lf_lens_calibration {
     double visual_lpi;             /* always known */
     double distance_mm;            /* always known: where the pitch was read */
     double phase_mm, skew_deg, error_lpi;
-    bool reverse;    /* the views run in reverse order */
-    int n_crosstalk; /* as in lf_print_blur */
+    bool reverse;        /* the views run in reverse order */
+    bool horizontal;     /* the lenses that it was measured with: phase_mm is down the page */
+    bool has_horizontal; /* the file says so; otherwise they were as the profile's are used */
+    int n_crosstalk;     /* as in lf_print_blur */
     double crosstalk[2 * LF_PRINT_CROSSTALK + 1];
     int crosstalk_views;   /* views under a lens that these are shares of: 8 in charts */
     char date[11];         /* "2026-11-29"; "" = unknown */
@@ -73,7 +75,8 @@ typedef struct lf_printer_profile {
     int n_native;
     double native_dpi[LF_PROFILE_NATIVE]; /* rasters that its driver does not resample */
     double dot_gain, ink_mm;              /* as in lf_print_blur */
-    char icc[PATH_MAX];                   /* "" = none; a path relative to the program */
+    bool registered;    /* a jig holds sheet and print in one place: phases of calibrations last */
+    char icc[PATH_MAX]; /* "" = none; a path relative to the program */
 } lf_printer_profile;
 
 /* Reads a profile by name or path. roots (NULL = anywhere) hold for paths alone. LF_E_ARG: there is
@@ -112,7 +115,12 @@ typedef struct lf_profile_told {
     const char *pitch_kind; /* how the pitch is known, static text; NULL: it was given */
 } lf_profile_told;
 
-/* Fills a print from profiles, except for keys that were given. lens or printer may be NULL.
+/* Fills a print from profiles, except for keys that were given. lens or printer may be NULL. The
+ * lens is the profile's alone: thickness, index, radius, angle, slant, spot and crosstalk that it
+ * does not have are unknown (the slant: 0) afterwards, whatever they were before.
+ *
+ * The phase is that of the calibration, if the printer is registered and it was measured with
+ * lenses that run as those of the print. Otherwise it stays what it was, and told says so.
  *
  * The pitch, unless given, is that of the calibration for this printer which is nearest to
  * print->optics.distance_mm, converted to that distance by lf_profile_pitch. Without a distance

@@ -118,6 +118,9 @@ static void note_laid(const lf_output_request *request, const lf_output_source *
         lf_image_note(out, "%s: %s", name, line);
 }
 
+/* Bands that an eye hardly sees, as a fraction of white. */
+#define BANDS 0.001
+
 /* What compensation took back, and what it left. */
 static void log_left(const lf_output_request *request, const lf_print_left *left)
 {
@@ -127,6 +130,11 @@ static void log_left(const lf_output_request *request, const lf_print_left *left
                "%.2g %%); %.2g %% of the dots are at the end of the gamut",
                request->path, 100.0 * left->ghost_before, 100.0 * left->ghost, 100.0 * left->worst,
                100.0 * left->worst_before, 100.0 * left->clamped);
+    if (left->compensated && left->between > fmax(BANDS, left->between_before))
+        lf_log(LF_LOG_WARNING,
+               "%s: eyes between two views see bands of %.2g %% of white, %.2g %% without "
+               "compensation; fewer views make them weaker",
+               request->path, 100.0 * left->between, 100.0 * left->between_before);
 }
 
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,

@@ -28,14 +28,26 @@ static int open_nameless(void)
     return fd >= 0 ? fd : memfd_create("proof", MFD_CLOEXEC);
 }
 
+/* The print without its page: of copies, which are all alike, one is seen. */
+static lf_print one_copy(const lf_print *print)
+{
+    lf_print alone = *print;
+    alone.sheet.columns = alone.sheet.rows = 0;
+    alone.sheet.paper_width_mm = alone.sheet.paper_height_mm = 0.0;
+    alone.sheet.label = NULL;
+    return alone;
+}
+
 /* Writes the print into a nameless file, which the caller closes. */
 static lf_status write_print(const lf_output_request *request, const lf_output_source *source,
                              int *out_fd, lf_error *err)
 {
     lf_outfile files[2] = {{.fd = -1}, {.fd = -1}};
     lf_output_request quiet = *request;
+    const lf_print alone = one_copy(request->print);
     lf_status status = LF_OK;
     quiet.path = "proof.tif";
+    quiet.print = &alone;
     quiet.progress = NULL;
     for (int i = 0; i < 2 && status == LF_OK; i++) {
         const int fd = open_nameless();

@@ -61,6 +61,7 @@ static void free_job(lf_job *job)
     sd_event_source_disable_unref(job->timer);
     lf_export_finish(&job->asked);
     lf_free(job->final);
+    json_decref(job->account);
     lf_free(job);
 }
 
@@ -79,7 +80,8 @@ static lf_job_told job_told(const lf_job *job, lf_job_state state)
                          .file = file_of(job),
                          .state = state,
                          .progress = state == LF_JOB_DONE ? 1 : job->told * 1e-3,
-                         .err = state == LF_JOB_FAILED ? &job->err : NULL};
+                         .err = state == LF_JOB_FAILED ? &job->err : NULL,
+                         .account = state == LF_JOB_DONE ? job->account : NULL};
 }
 
 static void tell(const lf_job *job, lf_job_state state)

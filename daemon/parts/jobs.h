@@ -59,8 +59,9 @@ typedef struct lf_job_told {
     const char *kind;
     const char *file;
     lf_job_state state;
-    double progress;     /* 0 to 1 */
-    const lf_error *err; /* why it failed; otherwise NULL */
+    double progress;              /* 0 to 1 */
+    const lf_error *err;          /* why it failed; otherwise NULL */
+    const struct json_t *account; /* of a print that is done: lf_profile_account; otherwise NULL */
 } lf_job_told;
 
 /* A callback may query the jobs, but not add or cancel one. */

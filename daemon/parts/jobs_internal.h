@@ -22,6 +22,7 @@ typedef struct lf_job {
     char *final; /* name of the written file */
     lf_status status;
     lf_error err;
+    json_t *account; /* of the profiles that filled the print; NULL: none */
 } lf_job;
 
 struct lf_jobs {

@@ -95,8 +95,6 @@ lf_status lf_export_check_print(const lf_export *what, lf_print *print, const lf
     lf_status status = LF_OK;
     if (!what->kind->is_drawn)
         status = lf_print_choose_views(print, content->layout.n_views, "export", "/views", err);
-    if (status == LF_OK && !what->kind->is_drawn)
-        lf_print_fit_crosstalk(&print->blur, print->n_views);
     if (status == LF_OK)
         status = what->kind->check_print(print, NULL, err);
     if (status == LF_OK && !what->kind->is_drawn &&
@@ -171,6 +169,7 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
     lf_status status = open_profiles(job, snapshot ? snapshot->content : NULL, &print, profiles);
     if (status == LF_OK)
         status = write_picture(job, snapshot, &print);
+    job->account = json_incref(profiles->account);
     lf_profiles_finish(profiles);
     lf_free(profiles);
     return status;

@@ -335,6 +335,8 @@ static const field fields[] = {
     {"!scene.load", "job", "integer", COUNT, "job number of the load, for job.cancel"},
     {"!export", "", "@job", NULL, ""},
     {"!export", "error", "@error", NULL, "why it failed; absent if it did not"},
+    {"!export", "used", "[string]", NULL, "print by profiles: what they gave"},
+    {"!export", "warnings", "[string]", NULL, "print by profiles: what they lack"},
     {"!log", "", "@line", NULL, ""},
     {"!playlist", "", "@playlist", NULL, ""},
     {"!button", "button", "string", NULL, "square, left, right or circle"},

@@ -294,6 +294,10 @@ static json_t *job_json(const lf_job_told *job)
         json_object_set(told, "error", json_object_get(answer, "error"));
         json_decref(answer);
     }
+    if (job->account) {
+        json_object_set(told, "used", json_object_get(job->account, "used"));
+        json_object_set(told, "warnings", json_object_get(job->account, "warnings"));
+    }
     return told;
 }
 

@@ -105,8 +105,8 @@ static void show_progress(const json_t *params)
                 100 * json_number_value(json_object_get(params, "progress")));
 }
 
-/* Waits for the end of the job. */
-static lf_status follow(lf_ctl *ctl, json_int_t job, lf_error *err)
+/* Waits for the end of the job. What its profiles gave, and their warnings, go to the result. */
+static lf_status follow(lf_ctl *ctl, json_int_t job, json_t *result, lf_error *err)
 {
     for (;;) {
         json_t *message = NULL;
@@ -128,6 +128,9 @@ static lf_status follow(lf_ctl *ctl, json_int_t job, lf_error *err)
         } else if (strcmp(state, "cancelled") == 0) {
             status = lf_error_set(err, LF_E_CANCELLED, "export", "was cancelled");
         }
+        json_array_extend(json_object_get(result, "warnings"), json_object_get(params, "warnings"));
+        if (json_object_get(params, "used"))
+            json_object_set(result, "used", json_object_get(params, "used"));
         json_decref(message);
         if (!running) {
             if (isatty(STDERR_FILENO))
@@ -173,11 +176,12 @@ lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result, lf_err
     json_object_set_new(params, "fds", json_integer(files->n));
     status = lf_ctl_call(ctl, "export", json_incref(params), fds, files->n, &result, NULL, err);
     if (status == LF_OK)
-        status = follow(ctl, json_integer_value(json_object_get(result, "job")), err);
+        status = follow(ctl, json_integer_value(json_object_get(result, "job")), result, err);
     if (status == LF_OK)
         status = publish(files, overwrite, err);
     if (status == LF_OK)
-        *out_result = json_pack("{s:s, s:s, s:O*}", "kind", kind, "file", path, "warnings",
+        *out_result = json_pack("{s:s, s:s, s:O*, s:O*}", "kind", kind, "file", path, "used",
+                                json_object_get(result, "used"), "warnings",
                                 json_object_get(result, "warnings"));
 end:
     if (files)

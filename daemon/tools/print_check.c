@@ -4,10 +4,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/log.h"
+
+#define MOST_BYTES ((size_t)4 << 20) /* of reports and job sheets */
 
 static const char *const on_off[] = {"on", "off", NULL};
 
@@ -21,6 +24,62 @@ const lf_param lf_check_params[] = {
      .help = "read a written print back and check it; adds a report and a job sheet"},
     {0},
 };
+
+/* What is written beside a print, and a text that only such a file has. */
+static const struct {
+    const char *ending, *mark;
+} written[] = {{".check.txt", "of 18 points hold"},
+               {".check.json", "\"quiltd_check\""},
+               {".job.pdf", "(Lenticular print: job sheet)"}};
+
+enum { N_WRITTEN = sizeof written / sizeof written[0] };
+
+/* True if there is no such file, or one of an earlier check. */
+static bool may_replace(const char *name, const char *mark)
+{
+    char *data = NULL;
+    size_t size = 0;
+    if (access(name, F_OK) != 0)
+        return true;
+    const bool is_ours = lf_file_read(name, NULL, MOST_BYTES, &data, &size, NULL) == LF_OK &&
+                         memmem(data, size, mark, strlen(mark));
+    lf_free(data);
+    return is_ours;
+}
+
+bool lf_print_check_wanted(const lf_check_arguments *arguments, const char *path)
+{
+    return !arguments->off &&
+           (lf_path_has_ending(path, ".tif") || lf_path_has_ending(path, ".tiff") ||
+            lf_path_has_ending(path, ".pdf"));
+}
+
+lf_status lf_print_check_room_beside(const char *path, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int i = 0; i < N_WRITTEN && status == LF_OK; i++) {
+        char *name = lf_path_beside(path, written[i].ending);
+        if (!name)
+            return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        if (!may_replace(name, written[i].mark))
+            status = lf_error_set(err, LF_E_ARG, name,
+                                  "exists and is not of a print's checklist; move it away, or give "
+                                  "--check off");
+        lf_free(name);
+    }
+    return status;
+}
+
+void lf_print_check_forget(const char *path)
+{
+    for (int i = 0; i < N_WRITTEN; i++) {
+        char *name = lf_path_beside(path, written[i].ending);
+        if (name && access(name, F_OK) == 0 && may_replace(name, written[i].mark) &&
+            unlink(name) == 0)
+            lf_log(LF_LOG_INFO, "removed %s, which is of an earlier print", name);
+        lf_free(name);
+    }
+}
 
 static lf_status write_text(const char *path, const char *ending, const char *text, lf_error *err)
 {
@@ -93,7 +152,7 @@ lf_status lf_print_check_command(const lf_profiles_command *command, lf_error *e
     const lf_print_check_options options = {.manifest = command->manifest};
     lf_print_report report;
     if (command->n != 1)
-        return lf_error_set(err, LF_E_ARG, "check", "expects one PRINT.tif, got %d names",
+        return lf_error_set(err, LF_E_ARG, "check", "expects one PRINT.tif or .pdf, got %d names",
                             command->n);
     const char *path = command->words[0];
     lf_status status = lf_print_check_file(path, &options, &report, err);

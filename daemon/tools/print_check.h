@@ -13,6 +13,13 @@ typedef struct lf_check_arguments {
 } lf_check_arguments;
 extern const lf_param lf_check_params[];
 
+/* Whether a print of this name is checked after it was written. Sets of frames are not. */
+bool lf_print_check_wanted(const lf_check_arguments *arguments, const char *path);
+/* LF_E_ARG: a report or job sheet of the print would replace a file that is none. */
+LF_NODISCARD lf_status lf_print_check_room_beside(const char *path, lf_error *err);
+/* Removes reports and the job sheet of an earlier print of this name, which say nothing true of one
+ * that is not checked. Other files stay. */
+void lf_print_check_forget(const char *path);
 /* Checks a print right after it was written, logs one line, and writes NAME.check.txt,
  * NAME.check.json and the job sheet NAME.job.pdf beside it, each whole or not at all. *out_failed:
  * a point failed. Errors of lf_print_check_file; LF_E_IO: a report cannot be written. */

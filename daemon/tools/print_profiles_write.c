@@ -197,6 +197,9 @@ static json_t *value_of(const lf_param *row, const char *key, const char *text)
     double number;
     if (strcmp(key, "native_dpi") == 0 || strcmp(key, "crosstalk") == 0)
         return list_of(text);
+    if (row && row->type == LF_PARAM_SWITCH && !row->words &&
+        (strcmp(text, "true") == 0 || strcmp(text, "false") == 0))
+        return json_boolean(text[0] == 't');
     return row && row->type != LF_PARAM_TEXT && lf_decimal_is(text, &number) ? number_of(number)
                                                                              : json_string(text);
 }
@@ -311,7 +314,15 @@ static void set_today(json_t *calibration)
     json_object_set_new(calibration, "date", json_string(date));
 }
 
-/* Replaces the calibration with the same printer and distance, or adds one. */
+/* How the lenses ran that a calibration was measured with. */
+static const char *axis_of(const json_t *lens, const json_t *calibration)
+{
+    const char *own = json_string_value(json_object_get(calibration, "orientation")),
+               *sheet = json_string_value(json_object_get(lens, "orientation"));
+    return own ? own : sheet ? sheet : "vertical";
+}
+
+/* Replaces the calibration with the same printer, distance and run of lenses, or adds one. */
 static void put_calibration(json_t *lens, const json_t *calibration)
 {
     json_t *list = json_object_get(lens, "calibrations"), *one;
@@ -326,7 +337,8 @@ static void put_calibration(json_t *lens, const json_t *calibration)
     {
         const char *other = json_string_value(json_object_get(one, "printer"));
         const double at = json_number_value(json_object_get(one, "distance_mm"));
-        if (strcmp(other, printer) != 0 || fabs(at - distance) > SAME_MM)
+        if (strcmp(other, printer) != 0 || fabs(at - distance) > SAME_MM ||
+            strcmp(axis_of(lens, one), axis_of(lens, calibration)) != 0)
             continue;
         json_array_set(list, i, (json_t *)(uintptr_t)calibration);
         return;

@@ -58,7 +58,7 @@ static void print_help(void)
            "       quiltctl [--socket PATH] library.thumbnail FILE file=IMAGE [width=PIXELS]\n"
            "       quiltctl [--socket PATH] quilt.show FILE columns=N rows=N [key=value ...]\n"
            "       quiltctl [--socket PATH] export "
-           "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
+           "quilt|still|views|pictures|panel|print|chart|proof|rgbd|state FILE\n"
            "                [key=value ...]\n"
            "       quiltctl METHOD --help\n"
            "Call a method of a running quiltd and print the result. The method's schema gives the "

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/file.h"
@@ -109,6 +110,9 @@ static lf_status write_result(const lf_render_arguments *a, const manifest *char
     const json_t *file = json_object_get(chart->json, "file");
     json_t *json =
         lf_chart_reading_json(reading, json_string_value(json_object_get(file, "sha256")));
+    if (json)
+        json_object_set_new(json, "orientation",
+                            json_string(chart->print.horizontal ? "horizontal" : "vertical"));
     char *text = json ? json_dumps(json, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     lf_status status = text ? lf_outfile_text(a->out, text, err)
                             : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
@@ -117,10 +121,36 @@ static lf_status write_result(const lf_render_arguments *a, const manifest *char
     return status;
 }
 
+/* Results may be replaced, manifests may not. */
+static lf_status check_out(const char *out, lf_error *err)
+{
+    json_t *there = NULL;
+    lf_error cause = {0};
+    lf_status status = LF_OK;
+    if (out && access(out, F_OK) == 0 && lf_profile_json(out, NULL, &there, &cause) == LF_OK &&
+        json_object_get(there, "quiltd_print"))
+        status = lf_error_set(err, LF_E_ARG, out,
+                              "is the manifest of a print; choose another name for the result");
+    json_decref(there);
+    return status;
+}
+
+static void say_next(const lf_render_arguments *a, const manifest *chart, const lf_chart_reading *r)
+{
+    const char *lens = a->of_print.profiles.lens, *printer = a->of_print.profiles.printer;
+    if (a->out || lens || printer)
+        printf("next   %s%squiltprint calibrate %s %s %s\n", a->out ? "" : "read again with ",
+               a->out ? "" : "-o result.json, then ", lens ? lens : "LENS",
+               printer ? printer : "PRINTER", a->out ? a->out : "result.json");
+    else
+        printf("next   quiltrender SCENE -o sheet.tif --print %.4f@%.10g --phase %.4f "
+               "--print-size WxH\n",
+               r->visual_lpi, chart->print.dpi, r->phase_mm);
+}
+
 static void print_reading(const lf_render_arguments *a, const manifest *chart,
                           const lf_chart_reading *r)
 {
-    const char *lens = a->of_print.profiles.lens, *printer = a->of_print.profiles.printer;
     printf("pitch  %.4f +- %.4f lpi from %.0f mm\n", r->visual_lpi, r->error_lpi, r->distance_mm);
     printf("camera %.0f mm away, %.0f to the right, %.0f down; %.4f +- %.4f lpi from there\n",
            r->camera_mm[2], r->camera_mm[0], r->camera_mm[1], r->camera_lpi, r->error_camera_lpi);
@@ -136,13 +166,7 @@ static void print_reading(const lf_render_arguments *a, const manifest *chart,
             printf(" %.2f", r->crosstalk[i]);
         printf("\n");
     }
-    if (a->out)
-        printf("next   quiltprint calibrate %s %s %s\n", lens ? lens : "LENS",
-               printer ? printer : "PRINTER", a->out);
-    else
-        printf("next   quiltrender SCENE -o sheet.tif --print %.4f@%.10g --phase %.4f "
-               "--print-size WxH\n",
-               r->visual_lpi, chart->print.dpi, r->phase_mm);
+    say_next(a, chart, r);
 }
 
 static lf_status read_it(const lf_render_arguments *a, manifest *chart, lf_raster *raster,
@@ -150,7 +174,9 @@ static lf_status read_it(const lf_render_arguments *a, manifest *chart, lf_raste
 {
     lf_chart_photo photo = {0};
     lf_chart_reading reading;
-    lf_status status = open_manifest(&a->of_print, chart, err);
+    lf_status status = check_out(a->out, err);
+    if (status == LF_OK)
+        status = open_manifest(&a->of_print, chart, err);
     if (status == LF_OK)
         status = take_sheet(a, chart, &photo, err);
     if (status == LF_OK)

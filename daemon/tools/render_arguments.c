@@ -514,7 +514,10 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");
     if (optind + 1 < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind + 1],
-                            "unexpected argument; give only one SCENE");
+                            a->print.sheet.columns > 1 || a->print.sheet.rows > 1
+                                ? "unexpected argument; --copies repeats one SCENE, it does not "
+                                  "put different ones on a sheet"
+                                : "unexpected argument; give only one SCENE");
     a->scene = optind < argc ? argv[optind] : NULL;
     if (!a->out || a->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");

@@ -379,8 +379,8 @@ static lf_status write_track(const lf_rendering *r, const lf_output_request *req
 
 static bool wants_check(const lf_rendering *r)
 {
-    return lf_rendering_kind(r)->check_print && !r->arguments->of_print.check.off &&
-           (lf_path_has_ending(r->path, ".tif") || lf_path_has_ending(r->path, ".tiff"));
+    return lf_rendering_kind(r)->check_print &&
+           lf_print_check_wanted(&r->arguments->of_print.check, r->path);
 }
 
 /* Checks the print as it lies on the disk. LF_E_FORMAT: a point fails. */
@@ -448,6 +448,8 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
                           : lf_output_write(&request, &source, err);
     if (status == LF_OK && wants_check(r))
         status = check_print(r, &witness, err);
+    else if (status == LF_OK && lf_rendering_kind(r)->check_print)
+        lf_print_check_forget(r->path);
     lf_print_witness_finish(&witness);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);

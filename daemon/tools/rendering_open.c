@@ -53,8 +53,6 @@ lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *e
     const char *where = r->print.n_views > 0 ? "--views" : "--print";
     lf_status status = lf_print_choose_views(&r->print, n_views_most, where, NULL, err);
     if (status == LF_OK)
-        lf_print_fit_crosstalk(&r->print.blur, r->print.n_views);
-    if (status == LF_OK)
         status = r->arguments->kind->check_print(&r->print, &warning, err);
     if (status == LF_OK && warning && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_WARNING, "%s: %s", where, warning);
@@ -442,6 +440,9 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
+    if (status == LF_OK && a->kind->check_print &&
+        lf_print_check_wanted(&a->of_print.check, r->path))
+        status = lf_print_check_room_beside(r->path, err);
     if (status == LF_OK && a->kind->check_print && !a->plan)
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;

@@ -1,21 +1,20 @@
 #include "daemon/tools/simulate.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/tools/render_arguments.h"
-#include "quilt/profiles.h"
-#include "quilt/proof/print_file.h"
-#include "quilt/proof/simulate.h"
-#include "quilt/proof/study.h"
+#include "daemon/tools/simulate_job.h"
 
 /* A moving eye: from one side to the other, by this share of the range of views, and back. */
 #define FRAMES 37
@@ -28,6 +27,12 @@
 
 static const char *const both_eyes[] = {
     [LF_EYES_SIDE_BY_SIDE] = "side-by-side", [LF_EYES_ANAGLYPH] = "anaglyph", NULL};
+
+/* Those of a print that say something about its sheet, or about a file without a manifest. */
+static const char *const sheet_options[] = {
+    "print",     "print-size", "stripes",       "phase",     "orientation", "slant",  "lens-grid",
+    "view-rows", "phase-down", "map",           "thickness", "index",       "radius", "spot",
+    "dot-gain",  "distance",   "viewing-angle", "reverse",   "ink-spread",  "mirror", "copies"};
 
 #define PLACE(field) .place = offsetof(lf_simulate_options, field)
 
@@ -51,22 +56,6 @@ const lf_param lf_simulate_params[] = {
     {0},
 };
 /* clang-format on */
-
-typedef struct job {
-    lf_simulate_options options;
-    lf_print print;   /* the sheet, as options and profiles say */
-    lf_print printed; /* what was printed, by the manifest */
-    lf_profile_names names;
-    lf_print_given given;
-    const char *in, *out;
-    lf_print_file *file;
-    json_t *manifest;
-    lf_profiles profiles;
-    lf_proof_sheet sheet;
-    lf_image_notes notes; /* assumptions */
-    lf_eye eye;
-    const lf_cancel *cancel;
-} job;
 
 /* ------------------------------------------------------------------------------ command line -- */
 
@@ -97,7 +86,7 @@ static void print_help(void)
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
-    job *j = context;
+    lf_simulate_job *j = context;
     if (code == OPTION_VIEWS)
         return lf_parse_small("--views", text, 1, LF_MAX_VIEWS, &j->print.n_views, err);
     j->out = text;
@@ -106,11 +95,21 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
 
 static void taken(void *context, const lf_param *params, const lf_param *row)
 {
-    if (params == lf_print_params)
-        lf_print_give(&((job *)context)->given, row);
+    lf_simulate_job *j = context;
+    bool used = false;
+    if (params == lf_simulate_params)
+        j->eyes_given |= strcmp(row->option, "eye-distance") == 0;
+    if (params != lf_print_params)
+        return;
+    lf_print_give(&j->given, row);
+    for (size_t i = 0; i < sizeof sheet_options / sizeof *sheet_options; i++)
+        used |= strcmp(row->option, sheet_options[i]) == 0;
+    if (!used && !j->useless)
+        j->useless = row->option;
 }
 
-static lf_status read_options(job *j, int argc, char *const argv[], bool *out_done, lf_error *err)
+static lf_status read_options(lf_simulate_job *j, int argc, char *const argv[], bool *out_done,
+                              lf_error *err)
 {
     static const struct option table[] = {{"output", required_argument, NULL, 'o'},
                                           {"views", required_argument, NULL, OPTION_VIEWS},
@@ -141,13 +140,48 @@ static bool is_report(const char *out)
     return lf_path_has_ending(out, ".json");
 }
 
-static lf_status check_operands(job *j, int argc, char *const argv[], lf_error *err)
+static bool is_same_file(const char *a, const char *b)
 {
+    struct stat of_a, of_b;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+           of_a.st_ino == of_b.st_ino;
+}
+
+/* A proof replaces no print, and no manifest. */
+static lf_status check_free(const lf_simulate_job *j, lf_error *err)
+{
+    char *text = NULL;
+    size_t size;
+    if (is_same_file(j->in, j->out))
+        return lf_error_set(err, LF_E_ARG, "-o", "is the print itself; choose another name");
+    if (!is_report(j->out) || access(j->out, F_OK) != 0 ||
+        lf_file_read(j->out, NULL, LF_PRINT_FILE_MAX_MANIFEST, &text, &size, NULL) != LF_OK)
+        return LF_OK;
+    json_t *there = json_loadb(text, size, 0, NULL);
+    const bool is_manifest = json_object_get(there, "quiltd_print");
+    json_decref(there);
+    lf_free(text);
+    return is_manifest ? lf_error_set(err, LF_E_ARG, j->out,
+                                      "is the manifest of a print; choose another name for the "
+                                      "numbers")
+                       : LF_OK;
+}
+
+static lf_status check_operands(lf_simulate_job *j, int argc, char *const argv[], lf_error *err)
+{
+    struct stat info;
     if (optind >= argc)
         return lf_error_set(err, LF_E_ARG, "PRINT.tif", "is missing; --simulate needs a print");
     if (optind + 1 < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind + 1], "unexpected; give only one print");
     j->in = argv[optind];
+    if (lf_path_has_ending(j->in, ".pdf"))
+        return lf_error_set(err, LF_E_ARG, j->in,
+                            "is a PDF; --simulate reads TIFF, so write the print as .tif, too");
+    if (stat(j->in, &info) == 0 && S_ISDIR(info.st_mode))
+        return lf_error_set(err, LF_E_ARG, j->in,
+                            "is a folder; --simulate takes one interlaced print (.tif), no frame "
+                            "set");
     if (!j->out || j->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     if (!is_film(j->out) && !is_report(j->out) && !lf_output_fits(&lf_output_still, j->out))
@@ -155,10 +189,21 @@ static lf_status check_operands(job *j, int argc, char *const argv[], lf_error *
                             "must end in .png, .jpg, .exr, .gif, .mp4 or .json");
     if (j->options.has_stereo && (is_film(j->out) || is_report(j->out)))
         return lf_error_set(err, LF_E_ARG, "--stereo", "is for images: .png, .jpg or .exr");
-    return LF_OK;
+    if (j->options.marks && (is_film(j->out) || is_report(j->out)))
+        return lf_error_set(err, LF_E_ARG, "--mark", "is for images: .png, .jpg or .exr");
+    if (j->options.marks && j->options.has_stereo && j->options.stereo == LF_EYES_ANAGLYPH)
+        return lf_error_set(err, LF_E_ARG, "--mark",
+                            "is red and blue, and so is an anaglyph; leave one of them out");
+    if (j->eyes_given && !j->options.has_stereo)
+        return lf_error_set(err, LF_E_ARG, "--eye-distance", "needs --stereo");
+    if (j->useless)
+        return lf_error_set(err, LF_E_ARG, j->useless,
+                            "does nothing with --simulate, which shows a finished print; leave it "
+                            "out");
+    return check_free(j, err);
 }
 
-static lf_status take_eye(job *j, lf_error *err)
+static lf_status take_eye(lf_simulate_job *j, lf_error *err)
 {
     const char *text = j->options.eye;
     double at[3] = {0.0, 0.0, j->sheet.distance_mm};
@@ -180,14 +225,51 @@ static lf_status take_eye(job *j, lf_error *err)
 
 /* ----------------------------------------------------------------------------------- opening -- */
 
+static void give(lf_print_given *given, const char *key)
+{
+    if (given->n < (int)(sizeof given->keys / sizeof *given->keys))
+        given->keys[given->n++] = key;
+}
+
+/* What a file says of itself holds for any sheet: its raster, and the distance that it was made
+ * for. Without a printer, it is the one that the manifest names, if its profile is here. A manifest
+ * may be anyone's, so it names profiles, not files. */
+static void complete_names(lf_simulate_job *j, double distance_mm)
+{
+    const char *printer = json_string_value(json_object_get(
+        json_object_get(json_object_get(j->manifest, "profiles"), "printer"), "profile"));
+    char path[PATH_MAX];
+    if (j->print.dpi > 0.0)
+        give(&j->given, "dpi");
+    if (distance_mm > 0.0)
+        give(&j->given, "distance");
+    if (j->names.lens && !j->names.printer && printer && !lf_profile_is_path(printer) &&
+        lf_profile_find(LF_PROFILE_PRINTER, printer, path, NULL) == LF_OK)
+        j->names.printer = printer;
+}
+
+/* With a profile of a sheet, nothing is left of the sheet that the print was made for. Phase, rows
+ * of views and what the printer does belong to the print. */
+static void forget_sheet(lf_print *print)
+{
+    print->optics.thickness_mm = print->optics.index = print->optics.radius_mm = 0.0;
+    print->optics.angle = print->optics.slant = 0.0;
+    print->blur.spot_mm = 0.0;
+    print->blur.n_crosstalk = 0;
+}
+
 /* The manifest first, then profiles, then what the command line has. */
-static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
+static lf_status open_sheet(lf_simulate_job *j, int argc, char *const argv[], lf_error *err)
 {
     bool done;
     lf_status status = lf_proof_print_of(j->file, j->manifest, j->in, &j->print, err);
     j->printed = j->print;
+    if (j->names.lens)
+        forget_sheet(&j->print);
     if (status == LF_OK)
         status = read_options(j, argc, argv, &done, err);
+    if (status == LF_OK)
+        complete_names(j, j->printed.optics.distance_mm);
     if (status == LF_OK && j->names.lens && !(j->print.optics.distance_mm > 0.0))
         j->print.optics.distance_mm = LF_PROOF_DISTANCE;
     if (status == LF_OK)
@@ -205,7 +287,27 @@ static lf_status open_sheet(job *j, int argc, char *const argv[], lf_error *err)
     return LF_OK;
 }
 
-static void show_all(job *j)
+/* The first copy of a page; with --untrimmed the page, from its middle. */
+static lf_status choose_copy(lf_simulate_job *j, lf_error *err)
+{
+    int columns, rows;
+    const lf_print_sheet *page = &j->print.sheet;
+    const lf_status status =
+        j->options.untrimmed
+            ? LF_OK
+            : lf_proof_take_copy(j->manifest, j->in, &j->sheet, &columns, &rows, err);
+    if (status != LF_OK || j->options.untrimmed)
+        return status;
+    if (columns * rows > 1)
+        lf_image_note(&j->notes, "a page of %dx%d copies; the first one is shown", columns, rows);
+    else if (page->columns > 1 || page->rows > 1)
+        return lf_error_set(err, LF_E_ARG, j->in,
+                            "has no manifest that says where its copies are; put it beside the "
+                            "print");
+    return LF_OK;
+}
+
+static void show_all(lf_simulate_job *j)
 {
     const lf_print_tags *tags = lf_print_file_tags(j->file);
     for (int i = 0; i < 2; i++) {
@@ -215,7 +317,7 @@ static void show_all(job *j)
     }
 }
 
-static lf_status open_job(job *j, int argc, char *const argv[], lf_error *err)
+static lf_status open_job(lf_simulate_job *j, int argc, char *const argv[], lf_error *err)
 {
     char line[512];
     lf_status status = lf_print_file_open(j->in, NULL, &j->file, err);
@@ -226,6 +328,9 @@ static lf_status open_job(job *j, int argc, char *const argv[], lf_error *err)
     if (status != LF_OK)
         return status;
     lf_proof_sheet_of(&j->print, &j->sheet, &j->notes);
+    status = choose_copy(j, err);
+    if (status != LF_OK)
+        return status;
     if (lf_print_file_profile_problem(j->file))
         lf_image_note(&j->notes, "%s; its colours are those of %s",
                       lf_print_file_profile_problem(j->file),
@@ -241,7 +346,7 @@ static lf_status open_job(job *j, int argc, char *const argv[], lf_error *err)
     return take_eye(j, err);
 }
 
-static void close_job(job *j)
+static void close_job(lf_simulate_job *j)
 {
     lf_profiles_finish(&j->profiles);
     lf_print_file_close(j->file);
@@ -250,7 +355,7 @@ static void close_job(job *j)
 
 /* ------------------------------------------------------------------------------------ images -- */
 
-static lf_status see(job *j, const lf_eye *eye, int width, int height, lf_image32 *out,
+static lf_status see(lf_simulate_job *j, const lf_eye *eye, int width, int height, lf_image32 *out,
                      lf_error *err)
 {
     return lf_proof_picture(j->file, &j->sheet, eye, width, height, j->cancel, out, err);
@@ -277,7 +382,9 @@ static lf_status join(const lf_image32 eyes[2], lf_both_eyes how, lf_image32 *ou
     return LF_OK;
 }
 
-static lf_status see_both(job *j, int width, int height, lf_image32 *out, lf_error *err)
+/* marks: for each eye; NULL: none. */
+static lf_status see_both(lf_simulate_job *j, int width, int height, const lf_proof_depth *marks,
+                          lf_image32 *out, lf_error *err)
 {
     lf_image32 eyes[2] = {{0}};
     lf_status status = LF_OK;
@@ -285,22 +392,14 @@ static lf_status see_both(job *j, int width, int height, lf_image32 *out, lf_err
         lf_eye eye = j->eye;
         eye.x_mm += (i - 0.5) * j->options.eyes_mm;
         status = see(j, &eye, width, height, &eyes[i], err);
+        if (status == LF_OK && marks)
+            lf_proof_depth_mark(marks, &eyes[i]);
     }
     if (status == LF_OK)
         status = join(eyes, j->options.stereo, out, err);
     lf_image32_finish(&eyes[0]);
     lf_image32_finish(&eyes[1]);
     return status;
-}
-
-static json_t *settings_of(const job *j)
-{
-    const lf_proof_sheet *s = &j->sheet;
-    const char *slash = strrchr(j->in, '/');
-    return json_pack("{s:s, s:[f,f,f], s:f, s:f, s:f, s:f}", "print", slash ? slash + 1 : j->in,
-                     "eye_mm", j->eye.x_mm, j->eye.y_mm, j->eye.distance_mm, "mechanical_lpi",
-                     25.4 / s->pitch_mm, "thickness_mm", s->thickness_mm, "index", s->index,
-                     "spot_mm", s->spot_mm);
 }
 
 /* A source of n pictures, one after the other. */
@@ -329,16 +428,20 @@ static lf_layout layout_of(const lf_image32 *image, int n)
                        .aspect = (double)image->width / image->height};
 }
 
-static lf_status mark(job *j, lf_image32 *image, lf_error *err);
-
-static lf_status write_picture(job *j, int width, int height, lf_error *err)
+static lf_status write_picture(lf_simulate_job *j, int width, int height, lf_error *err)
 {
     lf_image32 image = {0};
-    lf_status status = j->options.has_stereo ? see_both(j, width, height, &image, err)
-                                             : see(j, &j->eye, width, height, &image, err);
-    if (status == LF_OK && j->options.marks)
-        status = mark(j, &image, err);
-    json_t *settings = settings_of(j);
+    lf_proof_depth depth = {0};
+    lf_status status = j->options.marks ? lf_simulate_study(j, &depth, err) : LF_OK;
+    const lf_proof_depth *marks =
+        j->options.marks && depth.measured >= LF_PROOF_FLIP ? &depth : NULL;
+    if (status == LF_OK)
+        status = j->options.has_stereo ? see_both(j, width, height, marks, &image, err)
+                                       : see(j, &j->eye, width, height, &image, err);
+    if (status == LF_OK && marks && !j->options.has_stereo)
+        lf_proof_depth_mark(marks, &image);
+    lf_proof_depth_finish(&depth);
+    json_t *settings = lf_simulate_settings(j);
     const lf_output_request request = {.kind = &lf_output_still,
                                        .path = j->out,
                                        .overwrite = true,
@@ -358,7 +461,7 @@ static lf_status write_picture(job *j, int width, int height, lf_error *err)
 
 /* -------------------------------------------------------------------------------------- film -- */
 
-static lf_status see_film(job *j, int width, int height, lf_video *video, lf_error *err)
+static lf_status see_film(lf_simulate_job *j, int width, int height, lf_video *video, lf_error *err)
 {
     const double range = BEYOND * lf_proof_view_range(&j->sheet, j->eye.distance_mm);
     const size_t frame = 3 * (size_t)width * (size_t)height;
@@ -385,7 +488,7 @@ static lf_status see_film(job *j, int width, int height, lf_video *video, lf_err
     return status;
 }
 
-static lf_status write_film(job *j, int width, int height, lf_error *err)
+static lf_status write_film(lf_simulate_job *j, int width, int height, lf_error *err)
 {
     lf_video *video = NULL;
     const lf_image32 size = {.width = width, .height = height};
@@ -410,123 +513,9 @@ static lf_status write_film(job *j, int width, int height, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------ report -- */
-
-static const char *const edges[] = {"left", "right", "top", "bottom"};
-
-/* What is true of the whole print, in words. */
-static void tell_views(const job *j)
-{
-    const double step = lf_proof_view_step(&j->sheet, j->eye.distance_mm);
-    const double range = lf_proof_view_range(&j->sheet, j->eye.distance_mm);
-    const lf_own_view own = lf_proof_own_view(&j->printed, &j->sheet);
-    const double drift = lf_proof_drift(&j->printed, &j->sheet, j->eye.distance_mm);
-    lf_log(LF_LOG_INFO,
-           "from %.0f mm: a view is %.3g mm wide; the views jump %.3g mm %s the middle",
-           j->eye.distance_mm, step, 0.5 * range,
-           j->sheet.horizontal ? "above and below" : "left and right of");
-    lf_log(LF_LOG_INFO, "an eye gets %.0f %% of its light from its own view (worst lens %.0f %%)",
-           100.0 * own.mean, 100.0 * own.worst);
-    if (drift > 0.5 / j->sheet.n_views)
-        lf_log(LF_LOG_WARNING,
-               "the pitch of the print is not the sheet's: the views shift by %.2g of their range "
-               "over the print",
-               drift);
-}
-
-static void tell_depth(const job *j, const lf_proof_depth *d)
-{
-    if (d->measured < LF_PROOF_FLIP) {
-        lf_log(LF_LOG_INFO, "the views show different images (a flip); they have no parallax");
-        return;
-    }
-    if (d->over > 0.0)
-        lf_log(
-            LF_LOG_WARNING,
-            "%s: %.0f %% of the image shifts by more than 1 lens from view to view (up to %.1f); "
-            "it looks doubled",
-            j->in, fmax(1.0, 100.0 * d->over), d->most);
-    else
-        lf_log(LF_LOG_INFO, "points shift by up to %.1f lenses from view to view (limit 1)",
-               d->most);
-    for (int i = 0; i < 4; i++)
-        if (d->cut[i])
-            lf_log(LF_LOG_WARNING, "%s: something in front of the print touches its %s edge", j->in,
-                   edges[i]);
-}
-
-static lf_status study(job *j, lf_proof_depth *out, lf_error *err)
-{
-    const lf_status status =
-        lf_proof_depth_of(j->file, &j->sheet, j->eye.distance_mm, j->cancel, out, err);
-    if (status == LF_OK)
-        tell_depth(j, out);
-    return status;
-}
-
-static lf_status mark(job *j, lf_image32 *image, lf_error *err)
-{
-    lf_proof_depth depth;
-    const lf_status status = study(j, &depth, err);
-    if (status != LF_OK)
-        return status;
-    if (depth.measured >= LF_PROOF_FLIP)
-        lf_proof_depth_mark(&depth, image);
-    lf_proof_depth_finish(&depth);
-    return LF_OK;
-}
-
-static json_t *cut_edges(const lf_proof_depth *d)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < 4; i++)
-        if (d->cut[i] && d->measured >= LF_PROOF_FLIP)
-            json_array_append_new(list, json_string(edges[i]));
-    return list;
-}
-
-static json_t *report_of(const job *j, const lf_proof_depth *d)
-{
-    const double distance = j->eye.distance_mm, range = lf_proof_view_range(&j->sheet, distance);
-    const lf_own_view own = lf_proof_own_view(&j->printed, &j->sheet);
-    const bool flips = d->measured < LF_PROOF_FLIP;
-    json_t *assumed = json_array();
-    char line[512];
-    for (size_t at = 0; lf_image_notes_next(&j->notes, &at, line, sizeof line);)
-        json_array_append_new(assumed, json_string(line));
-    return json_pack(
-        "{s:i, s:o, s:{s:f, s:f, s:[f,f], s:i}, s:{s:f, s:f, s:f}, s:f, s:o, s:o, s:o}",
-        "quiltd_proof", 1, "seen", settings_of(j), "views", "range_mm", range, "step_mm",
-        lf_proof_view_step(&j->sheet, distance), "jumps_mm", -0.5 * range, 0.5 * range, "count",
-        j->sheet.n_views, "own_view", "mean", own.mean, "worst", own.worst, "beside", own.beside,
-        "drift", lf_proof_drift(&j->printed, &j->sheet, distance), "parallax",
-        flips ? json_null()
-              : json_pack("{s:f, s:f, s:f}", "most_lenses", d->most, "over_1_lens", d->over,
-                          "measured", d->measured),
-        "cut_edges", cut_edges(d), "assumed", assumed);
-}
-
-static lf_status write_report(job *j, lf_error *err)
-{
-    lf_proof_depth depth;
-    lf_status status = study(j, &depth, err);
-    if (status != LF_OK)
-        return status;
-    json_t *report = report_of(j, &depth);
-    char *text = report ? json_dumps(report, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) : NULL;
-    status = text ? lf_outfile_text(j->out, text, err)
-                  : lf_error_set(err, LF_E_NOMEM, j->out, "out of memory");
-    free(text);
-    json_decref(report);
-    lf_proof_depth_finish(&depth);
-    if (status == LF_OK)
-        lf_log(LF_LOG_INFO, "wrote %s", j->out);
-    return status;
-}
-
 /* --------------------------------------------------------------------------------------- all -- */
 
-static lf_status run(job *j, int argc, char *const argv[], lf_error *err)
+static lf_status run(lf_simulate_job *j, int argc, char *const argv[], lf_error *err)
 {
     int width, height;
     lf_status status = open_job(j, argc, argv, err);
@@ -534,15 +523,15 @@ static lf_status run(job *j, int argc, char *const argv[], lf_error *err)
         status = lf_proof_size(&j->sheet, j->options.width, &width, &height, err);
     if (status != LF_OK)
         return status;
-    tell_views(j);
-    return is_report(j->out) ? write_report(j, err)
+    lf_simulate_tell(j);
+    return is_report(j->out) ? lf_simulate_report(j, err)
            : is_film(j->out) ? write_film(j, width, height, err)
                              : write_picture(j, width, height, err);
 }
 
 int lf_simulate_run(int argc, char *const argv[], const lf_cancel *cancel)
 {
-    job j = {.cancel = cancel};
+    lf_simulate_job j = {.cancel = cancel};
     lf_error err = {0};
     bool done = false;
     lf_param_defaults(lf_print_params, &j.print);

@@ -3,13 +3,16 @@
 #include <math.h>
 #include <string.h>
 
-#define N_UNKNOWN 8 /* log focal, k1, three rotations, three shifts */
+#define N_UNKNOWN 10 /* log focal, k1, three rotations, three shifts, growth of the tags */
+#define N_TOLD 3     /* standard errors */
 #define ITERATIONS 30
-#define SD_FOCAL 0.02
 #define SD_FOCAL_UNKNOWN 0.6
-#define SD_K1 0.05
+#define SD_K1 0.03
 #define SD_K1_FEW_TAGS 0.004
 #define SD_DISTANCE 0.01
+#define SD_GROWTH_MM 0.3
+#define LEAST_SD_PX 0.1
+#define TOGETHER 1.6
 #define USUAL_FOCAL 0.75 /* of a photo's diagonal */
 
 bool lf_chart_solve(int n, int m, double *a, double *b)
@@ -91,6 +94,8 @@ static lf_chart_camera changed(const lf_chart_camera *camera, const double d[N_U
     rotate(c.turn, d + 2);
     for (int k = 0; k < 3; k++)
         c.move[k] += d[5 + k];
+    for (int k = 0; k < 2; k++)
+        c.growth[k] += d[8 + k];
     for (int k = 0; k < 3; k++)
         c.eye[k] =
             -(c.turn[0][k] * c.move[0] + c.turn[1][k] * c.move[1] + c.turn[2][k] * c.move[2]);
@@ -183,7 +188,7 @@ typedef struct problem {
     double sd_px;
 } problem;
 
-enum { MOST_RESIDUALS = 2 * LF_CHART_CORNERS + 3 };
+enum { MOST_RESIDUALS = 2 * LF_CHART_CORNERS + 5 };
 
 /* What is left of each corner and of each thing that is known, in standard deviations. */
 static int residuals(const problem *p, const lf_chart_camera *camera, double *out)
@@ -191,13 +196,17 @@ static int residuals(const problem *p, const lf_chart_camera *camera, double *ou
     int n = 0;
     for (int i = 0; i < p->corners->n; i++) {
         double px = 0.0, py = 0.0;
-        if (!lf_chart_project(camera, p->corners->at[i][0], p->corners->at[i][1], &px, &py))
+        const double *at = p->corners->at[i], *side = p->corners->side[i];
+        if (!lf_chart_project(camera, at[0] + side[0] * camera->growth[0],
+                              at[1] + side[1] * camera->growth[1], &px, &py))
             px = py = 1e6;
         out[n++] = (px - p->corners->px[i][0]) / p->sd_px;
         out[n++] = (py - p->corners->px[i][1]) / p->sd_px;
     }
     out[n++] = log(camera->focal / p->focal) / p->sd_focal;
     out[n++] = camera->k1 / p->sd_k1;
+    for (int k = 0; k < 2; k++)
+        out[n++] = camera->growth[k] / SD_GROWTH_MM;
     out[n++] =
         p->distance > 0.0 ? log(fmax(-camera->eye[2], 1e-3) / p->distance) / SD_DISTANCE : 0.0;
     return n;
@@ -213,7 +222,8 @@ static double sum_of_squares(const double *r, int n)
 
 static void differentiate(const problem *p, const lf_chart_camera *camera, int k, double *out)
 {
-    static const double steps[N_UNKNOWN] = {1e-5, 1e-5, 1e-6, 1e-6, 1e-6, 1e-3, 1e-3, 1e-3};
+    static const double steps[N_UNKNOWN] = {1e-5, 1e-5, 1e-6, 1e-6, 1e-6,
+                                            1e-3, 1e-3, 1e-3, 1e-4, 1e-4};
     double up[MOST_RESIDUALS], d[N_UNKNOWN] = {0};
     d[k] = steps[k];
     lf_chart_camera moved = changed(camera, d);
@@ -272,11 +282,20 @@ static void descend(const problem *p, lf_chart_camera *camera)
     }
 }
 
-/* Standard errors of the distance and of the direction, by the inverse of the normal equations. */
+/* The turn of the chart's x axis about its normal from before to after, for small ones. */
+static double roll_between(const lf_chart_camera *before, const lf_chart_camera *after)
+{
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++)
+        sum += after->turn[k][0] * before->turn[k][1];
+    return sum;
+}
+
+/* Standard errors of distance, direction and roll, by the inverse of the normal equations. */
 static void estimate_errors(const problem *p, lf_chart_camera *camera)
 {
     double a[N_UNKNOWN * N_UNKNOWN], b[N_UNKNOWN], inverse[N_UNKNOWN * N_UNKNOWN] = {0};
-    double slope[2][N_UNKNOWN], variance[2] = {0};
+    double slope[N_TOLD][N_UNKNOWN], variance[N_TOLD] = {0};
     normal(p, camera, a, b);
     for (int k = 0; k < N_UNKNOWN; k++) {
         double d[N_UNKNOWN] = {0};
@@ -284,17 +303,28 @@ static void estimate_errors(const problem *p, lf_chart_camera *camera)
         const lf_chart_camera moved = changed(camera, d);
         slope[0][k] = log(moved.eye[2] / camera->eye[2]) / 1e-5;
         slope[1][k] = (moved.eye[0] / moved.eye[2] - camera->eye[0] / camera->eye[2]) / 1e-5;
+        slope[2][k] = roll_between(camera, &moved) / 1e-5;
         inverse[k * (N_UNKNOWN + 1)] = 1.0;
     }
-    camera->sd_distance = camera->sd_aside = INFINITY;
+    camera->sd_distance = camera->sd_aside = camera->sd_roll = INFINITY;
     if (!lf_chart_solve(N_UNKNOWN, N_UNKNOWN, a, inverse))
         return;
-    for (int v = 0; v < 2; v++)
+    for (int v = 0; v < N_TOLD; v++)
         for (int k = 0; k < N_UNKNOWN; k++)
             for (int l = 0; l < N_UNKNOWN; l++)
                 variance[v] += slope[v][k] * inverse[k * N_UNKNOWN + l] * slope[v][l];
     camera->sd_distance = sqrt(fmax(variance[0], 0.0));
     camera->sd_aside = sqrt(fmax(variance[1], 0.0));
+    camera->sd_roll = sqrt(fmax(variance[2], 0.0));
+}
+
+/* How exact the corners are, by what is left of them. Those of one tag are off together. */
+static double noise_px(const problem *p, const lf_chart_camera *camera)
+{
+    double r[MOST_RESIDUALS];
+    const int n = 2 * p->corners->n;
+    residuals(p, camera, r);
+    return fmax(TOGETHER * p->sd_px * sqrt(sum_of_squares(r, n) / (n - N_UNKNOWN)), LEAST_SD_PX);
 }
 
 lf_status lf_chart_camera_fit(const lf_chart_corners *corners, const lf_chart_hint *hint,
@@ -304,15 +334,17 @@ lf_status lf_chart_camera_fit(const lf_chart_corners *corners, const lf_chart_hi
     lf_chart_camera camera = {.middle = {0.5 * hint->width, 0.5 * hint->height}};
     static const double none[N_UNKNOWN];
     double r[MOST_RESIDUALS];
-    const problem p = {.corners = corners,
-                       .focal = hint->focal > 0.0 ? hint->focal : USUAL_FOCAL * diagonal,
-                       .sd_focal = hint->focal > 0.0 ? SD_FOCAL : SD_FOCAL_UNKNOWN,
-                       .sd_k1 = corners->n_tags >= 6 ? SD_K1 : SD_K1_FEW_TAGS,
-                       .distance = hint->distance,
-                       .sd_px = fmax(0.5, 3e-4 * diagonal)};
+    problem p = {.corners = corners,
+                 .focal = hint->focal > 0.0 ? hint->focal : USUAL_FOCAL * diagonal,
+                 .sd_focal = hint->focal > 0.0 ? hint->sd_focal : SD_FOCAL_UNKNOWN,
+                 .sd_k1 = corners->n_tags >= 6 ? SD_K1 : SD_K1_FEW_TAGS,
+                 .distance = hint->distance,
+                 .sd_px = fmax(0.5, 3e-4 * diagonal)};
     const bool begun = first_guess(corners, hint->focal, diagonal, &camera);
     if (begun) {
         camera = changed(&camera, none);
+        descend(&p, &camera);
+        p.sd_px = noise_px(&p, &camera);
         descend(&p, &camera);
         estimate_errors(&p, &camera);
     }

@@ -11,7 +11,8 @@ enum { LF_CHART_CORNERS = 4 * LF_CHART_TAGS };
 
 typedef struct lf_chart_corners {
     int n, n_tags;
-    double at[LF_CHART_CORNERS][2]; /* mm */
+    double at[LF_CHART_CORNERS][2];   /* mm */
+    double side[LF_CHART_CORNERS][2]; /* from the tag's middle: -1 or 1 */
     double px[LF_CHART_CORNERS][2];
 } lf_chart_corners;
 
@@ -29,17 +30,21 @@ typedef struct lf_chart_camera {
     double middle[2]; /* of the photo, px */
     double focal;     /* px */
     double k1;        /* radial distortion: (1 + k1 r^2), r in units of the focal length */
+    /* mm by which all tags seem to reach out on each side: lenses cut them into columns */
+    double growth[2];
     double turn[3][3], move[3];
     double eye[3];      /* eye[2] < 0: the distance from the chart, negated */
     double sd_distance; /* standard errors: of the distance, as a fraction of it */
-    double sd_aside;    /* … and of eye[0] / distance */
+    double sd_aside;    /* … of eye[0] / distance */
+    double sd_roll;     /* … of the turn about the chart's normal, radians */
     double rms_px;      /* how far corners are from their places */
 } lf_chart_camera;
 
 /* What is known of the camera; 0: unknown. */
 typedef struct lf_chart_hint {
     int width, height;
-    double focal, distance;
+    double focal, sd_focal; /* px; standard error, as a fraction of it */
+    double distance;
 } lf_chart_hint;
 
 /* LF_E_FORMAT: the corners are not those of a flat chart. */

@@ -51,6 +51,8 @@ static void take_tag(const lf_chart *chart, const apriltag_detection_t *tag, int
     for (int corner = 0; corner < 4; corner++) {
         const double length = (LF_CHART_TAG_CELLS - 2) * chart->cell;
         double *at = out->at[out->n], *px = out->px[out->n];
+        for (int k = 0; k < 2; k++)
+            out->side[out->n][k] = 2 * side[corner][k] - 1;
         at[0] = x + chart->cell + side[corner][0] * length;
         at[1] = y + chart->cell + side[corner][1] * length - 0.5 * chart->height;
         px[0] = tag->p[corner][0];

@@ -7,9 +7,7 @@
 #include "base/alloc.h"
 
 #define TURN (2.0 * M_PI)
-/* of the first search: pitches beyond the chart's, and angles of the sheet */
-#define BEYOND_LPI 1.5
-#define MOST_ANGLE 0.035
+#define MOST_ANGLE (LF_CHART_MOST_SKEW * M_PI / 180.0)
 #define STEP_CYCLES 0.12 /* at the edge */
 #define N_LIGHT 5        /* 1, x, x^2, x^3, y */
 #define N_WAVE 3         /* 1, x, x^2 times the cosine */
@@ -79,8 +77,8 @@ static void search_grid(search *s, double reach_ratio, lf_chart_sheet *out)
     const lf_chart *chart = s->chart;
     const lf_chart_samples *g = s->samples;
     const int n_rows = g->n_bands * g->rows_of_band;
-    const double spread =
-        (chart->n_bands / 2) * chart->step + BEYOND_LPI + chart->lpi * reach_ratio; /* lpi */
+    const double spread = (chart->n_bands / 2) * chart->step + LF_CHART_BEYOND_LPI +
+                          chart->lpi * reach_ratio; /* lpi */
     const double dp = STEP_CYCLES / g->half_width, middle = chart->lpi / 25.4;
     const double half_height = fmax(0.5 * chart->n_bands * chart->band_height, 1.0);
     const double da = STEP_CYCLES / (middle * half_height);
@@ -337,7 +335,7 @@ static void judge(const lf_chart *chart, const lf_chart_samples *g, lf_chart_she
 static double steps_of(const lf_chart *chart, const lf_chart_samples *g)
 {
     const double rows = (double)g->n_bands * g->rows_of_band, middle = chart->lpi / 25.4;
-    const double pitches = 2.0 * (0.5 * chart->n_bands * chart->step + BEYOND_LPI) / 25.4 *
+    const double pitches = 2.0 * (0.5 * chart->n_bands * chart->step + LF_CHART_BEYOND_LPI) / 25.4 *
                            g->half_width / STEP_CYCLES;
     const double angles = MOST_ANGLE * middle * chart->n_bands * chart->band_height / STEP_CYCLES;
     return pitches * rows * (g->n_columns + angles);

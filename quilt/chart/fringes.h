@@ -5,6 +5,10 @@
 
 #include "quilt/chart/camera.h"
 
+/* Sheets that are found: pitches beyond the chart's bands, in lpi, and turns, in degrees. */
+#define LF_CHART_BEYOND_LPI 1.5
+#define LF_CHART_MOST_SKEW 2.0
+
 /* How the sheet bends the camera's rays. */
 typedef struct lf_chart_optics {
     double eye[2], distance; /* of the camera: foot, height */

@@ -8,6 +8,7 @@
 #include "quilt/chart/fringes.h"
 
 #define DIAGONAL_35MM 43.2666
+#define SD_FOCAL_35MM 0.3 /* EXIF data have whole millimetres */
 #define USUAL_INDEX 1.56
 /* thickness / index of sheets whose thickness is unknown, in pitches, and its standard error */
 #define USUAL_REACH 1.1
@@ -23,7 +24,10 @@
 #define ASIDE_TOLD 0.1
 #define TURNED_CONTRAST 0.15
 #define SD_SCALE 1e-3 /* of lengths by the marks, which lenses cut into columns */
+/* An order is told if the other one leaves twice as much, and if the own view is where the fringes
+ * say, to a part of a view: a ghost beside it can make the wrong order fit better. */
 #define ORDER_RATIO 0.5
+#define ORDER_CENTRE 0.9
 #define SMOOTHING 0.5 /* of the crosstalk's second differences; a sample weighs 1 */
 
 /* State of reading a photo. */
@@ -36,6 +40,7 @@ typedef struct reader {
     lf_chart_optics optics;
     lf_chart_sheet sheet;
     bool is_told_distance; /* the camera's distance is the user's */
+    bool is_turned;        /* the chart is for horizontal lenses */
 } reader;
 
 /* ------------------------------------------------------------------------------------ camera -- */
@@ -63,7 +68,8 @@ static lf_status fit_camera(reader *r, const lf_chart_corners *corners, lf_error
     lf_chart_hint hint = {.width = photo->width,
                           .height = photo->height,
                           .focal = photo->focal_35mm / DIAGONAL_35MM *
-                                   hypot(photo->width, photo->height)};
+                                   hypot(photo->width, photo->height),
+                          .sd_focal = SD_FOCAL_35MM / fmax(photo->focal_35mm, 1.0)};
     lf_status status = lf_chart_camera_fit(corners, &hint, r->where, &r->camera, err);
     if (status != LF_OK || r->camera.sd_distance < MOST_SD_DISTANCE)
         return status;
@@ -185,9 +191,9 @@ static lf_status check_fit(reader *r, lf_error *err)
                             "the photo is overexposed; take a darker one");
     if (r->sheet.contrast >= LEAST_CONTRAST)
         return lf_error_set(err, LF_E_FORMAT, r->where,
-                            "the fringes are not those of one flat sheet of about this pitch (fit "
-                            "%.2f); use one sheet, flat, on all bands",
-                            r->sheet.explained);
+                            "no flat sheet within %g lpi of the bands and %g degrees of their "
+                            "lines fits the fringes; use one sheet, straight, on all bands",
+                            LF_CHART_BEYOND_LPI, LF_CHART_MOST_SKEW);
     if (is_the_file_itself(r))
         return lf_error_set(err, LF_E_FORMAT, r->where,
                             "this is an image of the chart's file; print it, lay the sheet on and "
@@ -211,6 +217,8 @@ typedef struct codes {
 /* Light by the difference of views, in bins of one view. */
 typedef struct kernel {
     double light[LF_CHART_CODES];
+    double centre; /* of this light, in views: 0 is the own one */
+    double left;   /* sum of squares that remains */
     bool is_fitted;
 } kernel;
 
@@ -256,11 +264,11 @@ static void add_equation(const double *factor, double right, double *a, double *
     }
 }
 
-/* Fits light that is linear between the bins, and a little smooth where samples lack; returns the
- * sum of squares that remains. */
-static double kernel_of(const codes *c, bool is_reversed, kernel *out)
+/* Fits light that is linear between the bins, and a little smooth where samples lack. */
+static void kernel_of(const codes *c, bool is_reversed, kernel *out)
 {
-    double a[LF_CHART_CODES * LF_CHART_CODES] = {0}, b[LF_CHART_CODES] = {0}, left = 0.0;
+    double a[LF_CHART_CODES * LF_CHART_CODES] = {0}, b[LF_CHART_CODES] = {0}, cosine = 0.0,
+                              sine = 0.0;
     int low, high;
     *out = (kernel){0};
     for (int i = 0; i < c->n; i++) {
@@ -278,14 +286,23 @@ static double kernel_of(const codes *c, bool is_reversed, kernel *out)
         add_equation(factor, 0.0, a, b);
     }
     out->is_fitted = lf_chart_solve(LF_CHART_CODES, 1, a, b);
-    for (int k = 0; k < LF_CHART_CODES && out->is_fitted; k++)
+    for (int k = 0; k < LF_CHART_CODES && out->is_fitted; k++) {
         out->light[k] = fmax(b[k], 0.0);
+        cosine += out->light[k] * cos(2.0 * M_PI * k / LF_CHART_CODES);
+        sine += out->light[k] * sin(2.0 * M_PI * k / LF_CHART_CODES);
+    }
+    out->centre = atan2(sine, cosine) * LF_CHART_CODES / (2.0 * M_PI);
     for (int i = 0; i < c->n; i++) {
         const double part = bins_of(c, i, is_reversed, &low, &high);
         const double off = c->light[i] - (1.0 - part) * out->light[low] - part * out->light[high];
-        left += off * off;
+        out->left += off * off;
     }
-    return left;
+}
+
+static bool is_order(const kernel *own, const kernel *other)
+{
+    return own->is_fitted && own->left < ORDER_RATIO * other->left &&
+           fabs(own->centre) < ORDER_CENTRE;
 }
 
 static void read_crosstalk(reader *r, lf_chart_reading *out)
@@ -300,16 +317,19 @@ static void read_crosstalk(reader *r, lf_chart_reading *out)
     if (!r->chart.groups[LF_CHART_CODE_PATCHES].present || !(white > black) || black < 0.0 ||
         !sample_codes(r, black, white, &c))
         return;
-    const double left = kernel_of(&c, false, &straight),
-                 left_reversed = kernel_of(&c, true, &reversed);
-    out->has_order = fmin(left, left_reversed) < ORDER_RATIO * fmax(left, left_reversed);
-    out->is_reversed = out->has_order && left_reversed < left;
+    kernel_of(&c, false, &straight);
+    kernel_of(&c, true, &reversed);
+    out->is_reversed = is_order(&reversed, &straight);
+    out->has_order = out->is_reversed || is_order(&straight, &reversed);
     const kernel *own = out->is_reversed ? &reversed : &straight;
     if (!own->is_fitted)
         return;
     out->n_crosstalk = 2 * LF_CHART_KERNEL + 1;
     for (int i = 0; i < out->n_crosstalk; i++) {
-        out->crosstalk[i] = own->light[(i - LF_CHART_KERNEL + LF_CHART_CODES) % LF_CHART_CODES];
+        /* light is by the view that is seen less the white one. In a print with --reverse, views
+         * count the other way than on the chart. */
+        const int k = i - LF_CHART_KERNEL, bin = out->is_reversed ? k : -k;
+        out->crosstalk[i] = own->light[(bin + LF_CHART_CODES) % LF_CHART_CODES];
         sum += out->crosstalk[i];
     }
     for (int i = 0; i < out->n_crosstalk; i++)
@@ -340,6 +360,23 @@ static void say_pitch(const reader *r, lf_chart_reading *out)
     out->error_lpi = sqrt(out->error_camera_lpi * out->error_camera_lpi + far * far + off * off);
 }
 
+/* Bands and lenses turn together when the camera's place is off, up to the difference of their
+ * pitches. What exact refraction adds to the turn grows with the camera's place aside. */
+static double sd_skew(const reader *r)
+{
+    const lf_chart_optics *o = &r->optics;
+    const double per_mm = r->sheet.per_mm, half = 0.5 * r->chart.n_bands * r->chart.band_height;
+    const double bend = 0.6 * fabs(o->eye[0] * o->eye[1]) / pow(o->distance, 3.0);
+    const double errors[] = {
+        sqrt(r->sheet.covariance[2][2]), SD_CYCLES / per_mm / half,
+        r->camera.sd_roll * (25.4 * per_mm / r->chart.lpi - 1.0), bend * sd_reach(r),
+        3.0 * bend * lf_chart_reach(o) * hypot(r->camera.sd_distance, r->camera.sd_aside)};
+    double sum = 0.0;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++)
+        sum += errors[i] * errors[i];
+    return sqrt(sum);
+}
+
 static void say_phase(const reader *r, lf_chart_reading *out)
 {
     const double per_mm = r->sheet.per_mm, reach = lf_chart_reach(&r->optics);
@@ -349,7 +386,7 @@ static void say_phase(const reader *r, lf_chart_reading *out)
     out->phase_mm = remainder(r->sheet.cycles, 1.0) / per_mm;
     out->error_phase_mm = sqrt(fit * fit + side * side + unknown * unknown);
     out->skew_deg = r->sheet.angle * 180.0 / M_PI;
-    out->error_skew_deg = sqrt(r->sheet.covariance[2][2]) * 180.0 / M_PI;
+    out->error_skew_deg = sd_skew(r) * 180.0 / M_PI;
 }
 
 static void say_notes(const reader *r, lf_chart_reading *out)
@@ -390,8 +427,9 @@ static lf_status read_sheet(reader *r, lf_chart_reading *out, lf_error *err)
         return status;
     say_pitch(r, out);
     say_phase(r, out);
-    for (int k = 0; k < 2; k++)
-        out->camera_mm[k] = r->camera.eye[k];
+    /* a chart for horizontal lenses is turned clockwise */
+    out->camera_mm[0] = r->is_turned ? -r->camera.eye[1] : r->camera.eye[0];
+    out->camera_mm[1] = r->is_turned ? r->camera.eye[0] : r->camera.eye[1];
     out->camera_mm[2] = r->optics.distance;
     out->fit = r->sheet.explained;
     out->px_per_mm = r->light.px_per_mm;
@@ -403,7 +441,7 @@ static lf_status read_sheet(reader *r, lf_chart_reading *out, lf_error *err)
 lf_status lf_chart_read(const lf_print *print, const lf_chart_photo *photo, const char *where,
                         lf_chart_reading *out, lf_error *err)
 {
-    reader r = {.photo = photo, .where = where};
+    reader r = {.photo = photo, .where = where, .is_turned = print->horizontal};
     lf_chart_reading reading = {0};
     lf_status status = lf_chart_layout(print, &r.chart, err);
     if (status == LF_OK && !r.chart.is_marked)

@@ -13,14 +13,14 @@
 
 typedef struct lf_compensate lf_compensate;
 
-/* For lf_print_check. LF_E_ARG: nothing is known of the blur, values out of range, a sheet whose
- * rows differ. */
+/* For lf_print_check. LF_E_ARG: nothing is known of the blur, values out of range, lenses that
+ * lean, micro sheets. */
 LF_NODISCARD lf_status lf_compensate_check(const lf_print *print, lf_error *err);
 
-/* What all rows share, of a print that has it on. mix[pixels across the lenses]; all are borrowed.
- * *out is NULL if compensation is off. LF_E_NOMEM. */
+/* What all rows share, of a print that has it on. References are borrowed. *out is NULL if
+ * compensation is off. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_compensate_create(const lf_print *print, const lf_print_shape *shape,
-                                            const lf_stripe_mix *mix, lf_compensate **out);
+                                            lf_compensate **out);
 /* One for a thread that makes rows; it borrows `whole`. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_compensate_share(lf_compensate *whole, const lf_print_source *source,
                                            lf_compensate **out);
@@ -28,14 +28,14 @@ void lf_compensate_destroy(lf_compensate *compensate); /* accepts NULL */
 
 /* Vertical lenses: replaces the interlaced row y [raster_width][3] of these samples
  * [n_views][n_lenses][3]. */
-void lf_compensate_across(lf_compensate *share, int y, const float *samples, float *row);
+void lf_compensate_across(lf_compensate *c, int y, const float *samples, float *row);
 /* Horizontal lenses: makes row y [raster_width][3]. Rising rows are fastest. */
-void lf_compensate_down(lf_compensate *share, int y, float *row);
+void lf_compensate_down(lf_compensate *c, int y, float *row);
 
 /* Light that a printer with this dot gain turns into the given light, both 0..1. */
 double lf_dot_gain_undone(double light, double gain);
 
 /* What is left after all rows, each made once. */
-lf_print_left lf_compensate_left(const lf_compensate *whole);
+lf_print_left lf_compensate_left(const lf_compensate *c);
 
 #endif

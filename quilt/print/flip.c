@@ -90,7 +90,8 @@ void lf_flip_note(const lf_print *print, int n_images, lf_image_notes *notes)
 char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size)
 {
     buf[0] = '\0';
-    if (print->sheet.guard == 0 && print->sheet.morph == 0)
+    const bool is_flip = print->sheet.guard > 0 || print->sheet.morph > 0;
+    if (!is_flip && n_images <= print->n_views)
         return buf;
     for (int i = 0; i < print->n_views; i++) {
         const lf_stripe_content content = lf_flip_content(print, n_images, i);
@@ -98,8 +99,10 @@ char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size)
         char word[32];
         snprintf(word, sizeof word, content.neutral ? "-" : "%.3g",
                  content.image + (double)content.blend);
-        if (n + strlen(word) + sizeof " ..." > size)
-            return strcat(buf, " ...");
+        if (n + strlen(word) + sizeof " ..." > size) {
+            snprintf(buf + n, size - n, " ...");
+            return buf;
+        }
         snprintf(buf + n, size - n, "%s%s", i > 0 ? " " : "", word);
     }
     return buf;

@@ -29,7 +29,8 @@ LF_NODISCARD lf_status lf_flip_check(const lf_print *print, int n_images, const 
 /* Notes what may surprise: frames that are not shown, frames of unlike width, lenses that show each
  * eye another frame. */
 void lf_flip_note(const lf_print *print, int n_images, lf_image_notes *notes);
-/* The stripes of a lens from first to last, "0 0 - 1 1 -", in buf; "" without guards and blends.
+/* The stripes of a lens from first to last, "0 0 - 1 1 -", in buf; "" if they show all images, one
+ * after the other, without guards and blends.
  * Returns buf. */
 char *lf_flip_text(const lf_print *print, int n_images, char *buf, size_t size);
 

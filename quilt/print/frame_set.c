@@ -21,6 +21,8 @@ lf_print lf_frame_set_print(const lf_print *print)
     frame.reverse = false;
     frame.optics = (lf_optics){0};
     frame.sheet = (lf_print_sheet){0};
+    frame.blur = (lf_print_blur){0};
+    frame.compensation = (lf_compensation){0};
     frame.frame_ppi = 0.0;
     const double across =
         (print->horizontal ? print->height_mm : print->width_mm) + 2.0 * print->bleed_mm;

@@ -365,10 +365,10 @@ static lf_status job_init(job *j, const page *p)
         return status;
     if (lf_print_is_micro(p->print))
         return lf_micro_create(p->print, &j->shape, &j->source, &j->micro);
-    if (!p->mix)
-        return lf_slanted_create(p->print, &j->shape, &j->source, &j->slanted);
     if (p->compensate && lf_compensate_share(p->compensate, &j->source, &j->compensate) != LF_OK)
         return LF_E_NOMEM;
+    if (!p->mix)
+        return lf_slanted_create(p->print, &j->shape, &j->source, &j->slanted);
     return make_samples(j, p);
 }
 
@@ -477,10 +477,14 @@ static void draw_general(job *j, const lf_copy *copy, int y, float *row)
         return;
     j->shape.shift_right_mm = copy->shift_right_mm;
     j->shape.shift_down_mm = copy->shift_down_mm;
-    if (j->micro)
+    if (j->compensate && j->page->print->horizontal)
+        lf_compensate_down(j->compensate, at, out);
+    else if (j->micro)
         lf_micro_row(j->micro, at, out);
     else
         lf_slanted_row(j->slanted, at, out);
+    if (j->compensate && !j->page->print->horizontal)
+        lf_compensate_across(j->compensate, at, lf_slanted_samples(j->slanted), out);
 }
 
 static void draw_row(void *context, int y, float *row)
@@ -517,8 +521,8 @@ static lf_status page_init(page *p, const lf_views32 *views, const lf_tone *tone
     p->only = p->shape;
     p->only.shift_right_mm = p->sheet.copies[0].shift_right_mm;
     p->only.shift_down_mm = p->sheet.copies[0].shift_down_mm;
-    if (status == LF_OK && p->mix)
-        status = lf_compensate_create(p->print, &p->only, p->mix, &p->compensate);
+    if (status == LF_OK)
+        status = lf_compensate_create(p->print, &p->only, &p->compensate);
     if (p->compensate && p->print->horizontal)
         n_jobs = 1; /* strips in turn would make the same rows again */
     while (p->n_jobs < n_jobs && status == LF_OK)

@@ -109,6 +109,9 @@ LF_NODISCARD lf_status lf_print_source_share(lf_print_source *copy);
  * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out);
+/* The n rows (columns) of that line from the first on alone, with the same values. */
+void lf_print_source_part(const lf_print_source *source, int i, int lens, int first, int n,
+                          float *out);
 /* One sample, [3]. */
 void lf_print_source_point(const lf_print_source *source, int i, int across, int along, float *out);
 
@@ -139,6 +142,8 @@ LF_NODISCARD lf_status lf_slanted_create(const lf_print *print, const lf_print_s
 void lf_slanted_destroy(lf_slanted *slanted);
 /* Linear light of row y of the picture, [raster_width][3]. Rows in any order. */
 void lf_slanted_row(lf_slanted *slanted, int y, float *row);
+/* Vertical lenses: the samples of the last row, [n_views][n_lenses][3]. */
+const float *lf_slanted_samples(const lf_slanted *slanted);
 
 /* Micro sheets. */
 typedef struct lf_micro lf_micro;

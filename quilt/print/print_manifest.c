@@ -9,6 +9,7 @@
 
 #include "base/alloc.h"
 #include "base/version.h"
+#include "quilt/print/blur.h"
 #include "quilt/print/flip.h"
 #include "quilt/print/relief.h"
 #include "quilt/print/sheet.h"
@@ -77,13 +78,13 @@ static bool hash_file(const lf_outfile *file, char out[static HEX_SIZE], int64_t
 
 /* ------------------------------------------------------------------------------------- parts -- */
 
-json_t *lf_print_file_json(const lf_outfile *tiff)
+json_t *lf_print_file_json(const lf_outfile *file)
 {
-    const char *slash = tiff->path ? strrchr(tiff->path, '/') : NULL;
-    const char *name = slash ? slash + 1 : tiff->path;
+    const char *slash = file->path ? strrchr(file->path, '/') : NULL;
+    const char *name = slash ? slash + 1 : file->path;
     char hash[HEX_SIZE];
     int64_t size = 0;
-    if (!hash_file(tiff, hash, &size))
+    if (!hash_file(file, hash, &size))
         return json_pack("{s:s?, s:n, s:n}", "name", name, "bytes", "sha256");
     return json_pack("{s:s?, s:I, s:s}", "name", name, "bytes", (json_int_t)size, "sha256", hash);
 }
@@ -360,10 +361,12 @@ static json_t *warning_part(const lf_print_facts *facts)
 static json_t *compensation_part(const lf_print_left *left)
 {
     return left->compensated
-               ? json_pack("{s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f}, s:f}", "own_share_before",
-                           "mean", left->own_share, "worst", left->own_share_worst, "ghost_before",
-                           "mean", left->ghost_before, "worst", left->worst_before, "ghost_left",
-                           "mean", left->ghost, "worst", left->worst, "clamped", left->clamped)
+               ? json_pack("{s:{s:f, s:f}, s:{s:f, s:f}, s:{s:f, s:f}, s:f, s:{s:f, s:f}}",
+                           "own_share_before", "mean", left->own_share, "worst",
+                           left->own_share_worst, "ghost_before", "mean", left->ghost_before,
+                           "worst", left->worst_before, "ghost_left", "mean", left->ghost, "worst",
+                           left->worst, "clamped", left->clamped, "between_views", "before",
+                           left->between_before, "left", left->between)
                : NULL;
 }
 
@@ -386,10 +389,11 @@ static json_t *relief_part(const lf_print_facts *facts)
 /* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
-    return json_pack("{s:o, s:o, s:o, s:o*, s:o*, s:o*}", "lens",
+    return json_pack("{s:o, s:o, s:o, s:o*, s:o*, s:o*, s:o*}", "lens",
                      lens_part(facts->print, facts->shape, options), "stripes",
                      stripe_part(facts->print, options), "source", source_part(facts), "relief",
-                     relief_part(facts), "sheet", sheet_part(facts), "compensation",
+                     relief_part(facts), "sheet", sheet_part(facts), "crosstalk",
+                     lf_blur_crosstalk_json(&facts->print->blur), "compensation",
                      compensation_part(&facts->left));
 }
 

@@ -191,12 +191,12 @@ static float finite_or_zero(float v)
 /* Position of a line's samples in a view. */
 typedef struct line_place {
     size_t step, tap_step; /* strides from sample to sample, and between its taps */
-    int n;
+    int first, n;          /* the samples that are needed */
 } line_place;
 
 static void add_floats(const float *in, const line_place *place, float weight, float *line)
 {
-    for (int s = 0; s < place->n; s++)
+    for (int s = place->first; s < place->first + place->n; s++)
         for (int c = 0; c < 3; c++)
             line[3 * s + c] += weight * finite_or_zero(in[(size_t)s * place->step + (size_t)c]);
 }
@@ -204,7 +204,7 @@ static void add_floats(const float *in, const line_place *place, float weight, f
 static void add_codes(const uint8_t *in, const float *light, const line_place *place, float weight,
                       float *line)
 {
-    for (int s = 0; s < place->n; s++)
+    for (int s = place->first; s < place->first + place->n; s++)
         for (int c = 0; c < 3; c++)
             line[3 * s + c] += weight * light[in[(size_t)s * place->step + (size_t)c]];
 }
@@ -224,35 +224,53 @@ static void add_view(const lf_views32 *views, int view, float share, const line_
     }
 }
 
-/* Gathers one line of what a stripe shows, along both axes. False: it is of one light. */
-static bool gather_line(const lf_print_source *source, int stripe, const line_place *place,
-                        const lf_axis_filter *filter, int i, const lf_axis_filter *other,
+/* Samples of a line. */
+typedef struct span {
+    int first, n;
+} span;
+
+/* The input samples of a part of a filter's output; those of its ends bound all others. */
+static span taps_of(const lf_axis_filter *filter, span part)
+{
+    const int ends[] = {part.first, part.first + part.n - 1};
+    const bool rises = filter->first[ends[0]] <= filter->first[ends[1]];
+    const int low = ends[!rises], high = ends[rises];
+    const int first = filter->first[low];
+    return (span){first, filter->first[high] + filter->n_taps[high] - first};
+}
+
+/* Gathers a part of a line of what a stripe shows, along both axes. False: it is of one light. */
+static bool gather_line(const lf_print_source *source, int stripe, line_place place,
+                        const lf_axis_filter *filter, int i, const lf_axis_filter *other, span part,
                         float *out)
 {
     const lf_stripe_content content =
         lf_flip_content(source->print, source->views->n_views, stripe);
     if (content.neutral) {
-        for (int s = 0; s < 3 * other->n_out; s++)
+        for (int s = 0; s < 3 * part.n; s++)
             out[s] = content.light;
         return false;
     }
-    memset(source->line, 0, (size_t)place->n * 3 * sizeof *source->line);
-    add_view(source->views, content.image, 1.0F - content.blend, place, filter, i, source->line);
+    const span taps = taps_of(other, part);
+    place.first = taps.first;
+    place.n = taps.n;
+    memset(source->line + 3 * (size_t)taps.first, 0, (size_t)taps.n * 3 * sizeof *source->line);
+    add_view(source->views, content.image, 1.0F - content.blend, &place, filter, i, source->line);
     if (content.blend > 0.0F)
-        add_view(source->views, content.next, content.blend, place, filter, i, source->line);
-    lf_axis_filter_line(other, source->line, out);
-    lf_tone_linear(source->tone, (size_t)other->n_out, out, out);
+        add_view(source->views, content.next, content.blend, &place, filter, i, source->line);
+    lf_axis_filter_part(other, part.first, part.n, source->line, out);
+    lf_tone_linear(source->tone, (size_t)part.n, out, out);
     return true;
 }
 
 /* Adds paper white outside the picture. */
-static void add_border(const lf_print_source *source, const lf_axis_filter *filter, float inside,
-                       float *out)
+static void add_border(const lf_print_source *source, const lf_axis_filter *filter, span part,
+                       float inside, float *out)
 {
     if (!(source->resampled && (source->place.beside > 0 || source->place.above > 0)))
         return;
-    for (int i = 0; i < filter->n_out; i++) {
-        const float share = inside * filter->inside[i];
+    for (int i = 0; i < part.n; i++) {
+        const float share = inside * filter->inside[part.first + i];
         for (int c = 0; c < 3; c++)
             out[3 * i + c] = share * out[3 * i + c] + (1.0F - share);
     }
@@ -260,16 +278,24 @@ static void add_border(const lf_print_source *source, const lf_axis_filter *filt
 
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out)
 {
-    const line_place place = {source->across_step, source->along_step, source->n_across_in};
-    if (gather_line(source, i, &place, &source->along, along, &source->across, out))
-        add_border(source, &source->across, source->along.inside[along], out);
+    const line_place place = {.step = source->across_step, .tap_step = source->along_step};
+    const span all = {0, source->across.n_out};
+    if (gather_line(source, i, place, &source->along, along, &source->across, all, out))
+        add_border(source, &source->across, all, source->along.inside[along], out);
+}
+
+void lf_print_source_part(const lf_print_source *source, int i, int lens, int first, int n,
+                          float *out)
+{
+    const line_place place = {.step = source->along_step, .tap_step = source->across_step};
+    const span part = {first, n};
+    if (gather_line(source, i, place, &source->across, lens, &source->along, part, out))
+        add_border(source, &source->along, part, source->across.inside[lens], out);
 }
 
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out)
 {
-    const line_place place = {source->along_step, source->across_step, source->n_along_in};
-    if (gather_line(source, i, &place, &source->across, lens, &source->along, out))
-        add_border(source, &source->along, source->across.inside[lens], out);
+    lf_print_source_part(source, i, lens, 0, source->along.n_out, out);
 }
 
 /* Adds a part of a sample of a view, by both filters. */
@@ -280,7 +306,7 @@ static void add_point(const lf_print_source *source, int view, float part, int a
     const lf_axis_filter *a = &source->across, *b = &source->along;
     const float *weight_a = a->weight + (size_t)across * (size_t)a->max_taps,
                 *weight_b = b->weight + (size_t)along * (size_t)b->max_taps;
-    const line_place place = {source->across_step, 0, a->n_taps[across]};
+    const line_place place = {.step = source->across_step, .n = a->n_taps[across]};
     for (int t = 0; t < b->n_taps[along]; t++) {
         const size_t at = (size_t)(b->first[along] + t) * source->along_step +
                           (size_t)a->first[across] * place.step;

@@ -265,14 +265,16 @@ char *lf_print_layout_text(const lf_print *print, int n_images, char *buf, size_
 {
     lf_print_shape shape;
     lf_sheet sheet;
-    char stripes[128], copies[96] = "";
+    char stripes[256], copies[96] = "", of[48] = "";
     lf_print_shape_of(print, &shape);
     lf_flip_text(print, n_images, stripes, sizeof stripes);
     if (lf_sheet_init(&sheet, print, &shape, NULL) == LF_OK && sheet.n_columns * sheet.n_rows > 1)
         snprintf(copies, sizeof copies, "%dx%d copies, %.2f mm apart across and %.2f mm down",
                  sheet.n_columns, sheet.n_rows, sheet.step_right_mm, sheet.step_down_mm);
     lf_sheet_finish(&sheet);
-    snprintf(buf, size, "%s%s%s%s", copies, copies[0] && stripes[0] ? "; " : "",
-             stripes[0] ? "images under a lens: " : "", stripes);
+    if (print->sheet.guard == 0 && print->sheet.morph == 0)
+        snprintf(of, sizeof of, " (%d of %d)", print->n_views, n_images);
+    snprintf(buf, size, "%s%s%s%s%s", copies, copies[0] && stripes[0] ? "; " : "",
+             stripes[0] ? "images under a lens: " : "", stripes, stripes[0] ? of : "");
     return buf;
 }

@@ -111,13 +111,18 @@ lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk)
 
 lf_status lf_unmix_share(lf_unmix *unmix, const lf_unmix *whole)
 {
-    *unmix = (lf_unmix){.shares = true,
-                        .crosstalk = whole->crosstalk,
-                        .factor = whole->factor,
-                        .column = whole->column,
-                        .height = whole->height,
-                        .norm = whole->norm};
+    *unmix = (lf_unmix){.shares = true};
+    lf_unmix_turn(unmix, whole);
     return make_scratch(unmix);
+}
+
+void lf_unmix_turn(lf_unmix *share, const lf_unmix *whole)
+{
+    share->crosstalk = whole->crosstalk;
+    share->factor = whole->factor;
+    share->column = whole->column;
+    share->height = whole->height;
+    share->norm = whole->norm;
 }
 
 void lf_unmix_finish(lf_unmix *unmix)

@@ -30,6 +30,8 @@ typedef struct lf_unmix {
 LF_NODISCARD lf_status lf_unmix_init(lf_unmix *unmix, const lf_crosstalk *crosstalk);
 /* The same for another thread; borrows `whole`. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_unmix_share(lf_unmix *unmix, const lf_unmix *whole);
+/* Lets one of another thread solve for another matrix of the same size. */
+void lf_unmix_turn(lf_unmix *share, const lf_unmix *whole);
 void lf_unmix_finish(lf_unmix *unmix);
 
 /* Dots begin..end-1, and the places that see no other dots. */

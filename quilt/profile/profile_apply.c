@@ -73,11 +73,18 @@ typedef struct filling {
     char line[512]; /* about the lens */
 } filling;
 
-/* A number that the profile knows, for a key that was not given. */
-static void fill(const filling *f, const char *key, double known, double *out)
+/* The number of the profile, for a key that was not given; 0 may be "unknown". */
+static void fill(const filling *f, const char *key, double value, double *out)
 {
-    if (known != 0 && !lf_print_is_given(f->given, key))
-        *out = known;
+    if (!lf_print_is_given(f->given, key))
+        *out = value;
+}
+
+/* A number that the profile knows. */
+static void fill_known(const filling *f, const char *key, double known, double *out)
+{
+    if (known != 0)
+        fill(f, key, known, out);
 }
 
 static void say(filling *f, const char *what)
@@ -103,6 +110,7 @@ static void take_sheet(filling *f)
     fill(f, "viewing_angle", lens->optics.angle, &optics->angle);
     fill(f, "slant", lens->optics.slant, &optics->slant);
     fill(f, "spot", lens->spot_mm, &f->print->blur.spot_mm);
+    f->print->blur.n_crosstalk = 0;
     if (!lf_print_is_given(f->given, "lens_grid"))
         optics->grid = lens->optics.grid;
     if (lens->has_horizontal && !lf_print_is_given(f->given, "orientation"))
@@ -131,16 +139,24 @@ static void say_sheet(filling *f)
         say(f, f->print->horizontal ? "horizontal lenses" : "vertical lenses");
 }
 
+/* The lenses of a chart run as those of the sheet, or else vertically, unless the calibration says
+ * otherwise. */
+static bool was_horizontal(const filling *f, const lf_lens_calibration *c)
+{
+    return c->has_horizontal ? c->horizontal : f->lens->has_horizontal && f->lens->horizontal;
+}
+
 /* The calibration with this printer that is nearest to the wanted distance; NULL = none. *out_n
- * counts all with the printer. */
-static const lf_lens_calibration *nearest(const filling *f, int *out_n)
+ * counts those with the printer. any: also of lenses that run otherwise than the print's. */
+static const lf_lens_calibration *nearest(const filling *f, bool any, int *out_n)
 {
     const lf_lens_calibration *best = NULL;
     const double wanted = f->print->optics.distance_mm;
     *out_n = 0;
     for (int i = 0; f->printer && i < f->lens->n_calibrations; i++) {
         const lf_lens_calibration *c = &f->lens->calibrations[i];
-        if (strcmp(c->printer, f->printer->file.name) != 0)
+        if (strcmp(c->printer, f->printer->file.name) != 0 ||
+            (!any && was_horizontal(f, c) != f->print->horizontal))
             continue;
         ++*out_n;
         if (!best || fabs(c->distance_mm - wanted) < fabs(best->distance_mm - wanted))
@@ -149,9 +165,42 @@ static const lf_lens_calibration *nearest(const filling *f, int *out_n)
     return best;
 }
 
+static void take_phase(const filling *f, const lf_lens_calibration *c)
+{
+    const bool horizontal = was_horizontal(f, c);
+    if (lf_print_is_given(f->given, "phase") || !f->printer->registered)
+        return;
+    if (horizontal == f->print->horizontal) {
+        f->print->phase_mm = c->phase_mm;
+        return;
+    }
+    lf_image_note(&f->told->warnings,
+                  "%s was measured with %s lenses, so the phase of %s ones is unknown; measure a "
+                  "chart with --orientation %s",
+                  f->lens->file.name, horizontal ? "horizontal" : "vertical",
+                  horizontal ? "vertical" : "horizontal", horizontal ? "vertical" : "horizontal");
+}
+
+static void say_measured(filling *f, const lf_lens_calibration *c)
+{
+    char what[160];
+    const bool wanted = !lf_print_is_given(f->given, "phase"), registered = f->printer->registered;
+    if (wanted && registered && was_horizontal(f, c) == f->print->horizontal)
+        say_number(f, "phase", c->phase_mm, "mm");
+    if (wanted && !registered && c->phase_mm != 0) {
+        snprintf(what, sizeof what, "phase %+.4g mm not applied, because %s is not registered",
+                 c->phase_mm, f->printer->file.name);
+        say(f, what);
+    }
+    if (c->reverse && !lf_print_is_given(f->given, "reverse"))
+        say(f, "views in reverse order");
+    if (c->n_crosstalk > 0)
+        say(f, "crosstalk");
+}
+
 static void take_measured(const filling *f, const lf_lens_calibration *c)
 {
-    fill(f, "phase", c->phase_mm, &f->print->phase_mm);
+    take_phase(f, c);
     if (!lf_print_is_given(f->given, "reverse"))
         f->print->reverse = c->reverse;
     f->print->blur.n_crosstalk = c->n_crosstalk;
@@ -189,6 +238,7 @@ static lf_status take_calibration(filling *f, const lf_lens_calibration *c, int 
     snprintf(what, sizeof what, "%.4f lpi %sat %g mm, measured%s%s with %s", print->lpi, from,
              c->distance_mm, c->date[0] != '\0' ? " on " : "", c->date, c->printer);
     say(f, what);
+    say_measured(f, c);
     return LF_OK;
 }
 
@@ -224,7 +274,9 @@ static lf_status take_pitch(filling *f)
     int n = 0;
     if (lf_print_is_given(f->given, "lpi"))
         return LF_OK;
-    const lf_lens_calibration *c = nearest(f, &n);
+    const lf_lens_calibration *c = nearest(f, false, &n);
+    if (!c)
+        c = nearest(f, true, &n);
     return c ? take_calibration(f, c, n) : compute_pitch(f);
 }
 
@@ -253,8 +305,8 @@ static void take_printer(const filling *f)
     lf_print *print = f->print;
     const bool raster = !lf_print_is_given(f->given, "dpi"),
                icc = !lf_print_is_given(f->given, "icc");
-    fill(f, "dot_gain", printer->dot_gain, &print->blur.dot_gain);
-    fill(f, "ink_spread", printer->ink_mm, &print->blur.ink_mm);
+    fill_known(f, "dot_gain", printer->dot_gain, &print->blur.dot_gain);
+    fill_known(f, "ink_spread", printer->ink_mm, &print->blur.ink_mm);
     if (raster) {
         print->dpi = printer->dpi;
         print->dpi_down = printer->dpi_down;
@@ -335,6 +387,14 @@ static json_t *lens_json(const lf_lens_profile *lens)
     return out;
 }
 
+static json_t *numbers_of(const double *values, int n)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(list, json_real(values[i]));
+    return list;
+}
+
 static json_t *printer_json(const lf_printer_profile *printer)
 {
     json_t *out = file_json(&printer->file, printer->title);
@@ -342,6 +402,8 @@ static json_t *printer_json(const lf_printer_profile *printer)
     set_known(out, "dpi_down", printer->dpi_down);
     set_known(out, "dot_gain", printer->dot_gain);
     set_known(out, "ink_mm", printer->ink_mm);
+    if (printer->n_native > 0)
+        json_object_set_new(out, "native_dpi", numbers_of(printer->native_dpi, printer->n_native));
     return out;
 }
 

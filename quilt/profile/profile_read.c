@@ -120,8 +120,8 @@ static lf_status take_crosstalk(const part *p, const json_t *list, lf_lens_calib
         const json_t *share = json_array_get(list, i);
         out->crosstalk[i] = json_number_value(share);
         sum += out->crosstalk[i];
-        if (!json_is_number(share) || !(fabs(out->crosstalk[i]) <= 1))
-            return wrong(p, "crosstalk", "expected numbers from -1 to 1");
+        if (!json_is_number(share) || !(out->crosstalk[i] >= 0 && out->crosstalk[i] <= 1))
+            return wrong(p, "crosstalk", "expected numbers from 0 to 1");
     }
     out->n_crosstalk = (int)n / 2;
     return fabs(sum - 1) <= 0.01 ? LF_OK : wrong(p, "crosstalk", "the shares must sum to 1");
@@ -147,6 +147,7 @@ static lf_status take_calibration(const part *p, const json_t *values, lf_profil
         return wrong(p, "date", "expected a day, as 2026-11-29");
     if (words->chart_sha256 && !is_hash(words->chart_sha256))
         return wrong(p, "chart_sha256", "expected 64 hexadecimal digits");
+    c->has_horizontal = json_object_get(values, "orientation");
     status = take_text(p, "printer", words->of_printer, c->printer, sizeof c->printer);
     if (status == LF_OK)
         status = take_text(p, "date", words->date, c->date, sizeof c->date);

@@ -46,6 +46,8 @@ static const lf_param printer_rows[] = {
     {.name = "dot_gain", NUMBER(printer.dot_gain, 0, 0.45), .help = "dot gain at 50 %"},
     {.name = "ink_mm", NUMBER(printer.ink_mm, 0, 1), .unit = "mm",
      .help = "standard deviation of the spread of ink"},
+    {.name = "registered", .place = offsetof(lf_profile_words, printer.registered),
+     .type = LF_PARAM_SWITCH, .help = "a jig holds sheet and print in one place"},
     {.name = "icc", TEXT(icc), .help = "ICC file, relative to the folder of the profile"},
     {0},
 };
@@ -62,6 +64,8 @@ const lf_param lf_calibration_rows[] = {
      .help = "turn of the sheet against the chart"},
     {.name = "error_lpi", NUMBER(calibration.error_lpi, 0, 100), .unit = "lpi",
      .help = "error of the pitch"},
+    {.name = "orientation", .place = offsetof(lf_profile_words, calibration.horizontal),
+     .type = LF_PARAM_SWITCH, .words = orientations, .help = "how the lenses ran"},
     {.name = "order", .place = offsetof(lf_profile_words, calibration.reverse),
      .type = LF_PARAM_SWITCH, .words = orders, .help = "order of the views under a lens"},
     {.name = "crosstalk_views", NUMBER(calibration.crosstalk_views, 2, 64),

@@ -113,6 +113,8 @@ static void say_unmeasured(const lf_check *check, char *out, size_t size)
                              : "not measured for micro lenses");
     else if (!check->fits)
         snprintf(out, size, "not measured: the file is not what the manifest describes");
+    else if (check->print.compensation.on)
+        snprintf(out, size, "not measured in a compensated picture, whose stripes are mixed");
     else if (!check->grid.can)
         snprintf(out, size,
                  "cannot be measured in this picture: %d views in %.4g pixels do not share enough",
@@ -121,9 +123,15 @@ static void say_unmeasured(const lf_check *check, char *out, size_t size)
         snprintf(out, size, "cannot be measured in this picture: its views differ too little");
 }
 
+static double number_of(const lf_check_meter *meter, int point)
+{
+    return point == CHECK_PITCH   ? meter->pitch_um
+           : point == CHECK_PHASE ? meter->phase_um
+                                  : meter->jitter_um;
+}
+
 /* One of the three numbers of all meters: the worst of them counts. */
-static void judge_meters(lf_check *check, int point, size_t place, double limit_um,
-                         const char *remedy)
+static void judge_meters(lf_check *check, int point, double limit_um, const char *remedy)
 {
     char limit[64], why[160];
     double worst = -INFINITY, value = 0.0;
@@ -131,7 +139,7 @@ static void judge_meters(lf_check *check, int point, size_t place, double limit_
     snprintf(limit, sizeof limit, "at most %.3g um", limit_um);
     for (int i = 0; i < check->n_meters; i++) {
         const lf_check_meter *meter = &check->meters[i];
-        const double here = *(const double *)((const char *)meter + place);
+        const double here = number_of(meter, point);
         const double error = point == CHECK_JITTER ? 0.0 : meter->error_um;
         if (fabs(here) - error > worst) {
             worst = fabs(here) - error;
@@ -154,11 +162,11 @@ static void judge_positions(lf_check *check)
     const bool nearest = check->print.stripes == LF_STRIPES_NEAREST;
     const double half_px =
         check->known ? 0.5 * 25400.0 / check->dpi[check->print.horizontal ? 1 : 0] : 0.0;
-    judge_meters(check, CHECK_PITCH, offsetof(lf_check_meter, pitch_um), nearest ? 3.0 : 1.0,
+    judge_meters(check, CHECK_PITCH, nearest ? 3.0 : 1.0,
                  "The file was scaled, or has another pitch than the manifest; write it again.");
-    judge_meters(check, CHECK_PHASE, offsetof(lf_check_meter, phase_um), 1.0,
+    judge_meters(check, CHECK_PHASE, 1.0,
                  "The picture was moved or cropped; write the print again.");
-    judge_meters(check, CHECK_JITTER, offsetof(lf_check_meter, jitter_um), nearest ? half_px : 0.5,
+    judge_meters(check, CHECK_JITTER, nearest ? half_px : 0.5,
                  "Parts of the picture were moved or scaled; write the print again.");
 }
 
@@ -206,14 +214,40 @@ static void judge_stored(lf_check *check)
         tags ? (double)tags->width * tags->height * tags->samples * (tags->bits > 8 ? 2 : 1) : 0.0;
     if (check->trouble[0])
         lf_check_say(check, CHECK_STORED, LF_CHECK_FAIL, limit,
-                     "The file is damaged; copy or write it again.", "%s", check->trouble);
+                     "The file is damaged, or of another program; copy or write it again.", "%s",
+                     check->trouble);
     else if (tags->big && 1.7 * raster < BIG_FILE)
         lf_check_say(check, CHECK_STORED, LF_CHECK_WARN, limit,
                      "Another program has saved the file; some printers cannot read BigTIFF.",
                      "a BigTIFF of %.1f MB", 1e-6 * (double)tags->file_bytes);
     else
         lf_check_say(check, CHECK_STORED, LF_CHECK_PASS, limit, NULL, "%s, %.1f MB",
-                     tags->big ? "BigTIFF" : "TIFF", 1e-6 * (double)tags->file_bytes);
+                     lf_print_file_boxes(check->file) ? "PDF"
+                     : tags->big                      ? "BigTIFF"
+                                                      : "TIFF",
+                     1e-6 * (double)tags->file_bytes);
+}
+
+/* Why bleed and marks are not measured. */
+static void say_edges(lf_check *check)
+{
+    const lf_print *print = &check->print;
+    const char *why = check->is_chart ? "a chart, whose marks are not measured"
+                      : check->laid   ? "not measured on a page with several copies or a label"
+                      : !check->fits  ? "not measured: the file is not what was promised"
+                      : !print->marks ? "the bleed is too narrow to be measured"
+                      : check->linear ? "not measured for slanted lenses or an exact map"
+                                      : "not measured for micro lenses";
+    if (check->report->points[CHECK_EDGES].measured[0] != '\0')
+        return;
+    if (!check->known)
+        lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL,
+                     "not measured without a manifest");
+    else if (!print->marks && !(print->bleed_mm > 0.0))
+        lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL, "no bleed and no marks");
+    else
+        lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL, "bleed %g mm%s: %s",
+                     print->bleed_mm, print->marks ? ", marks" : "", why);
 }
 
 /* --------------------------------------------------------------------------------------- run -- */
@@ -222,10 +256,11 @@ static void judge_stored(lf_check *check)
 static void say_nothing_yet(lf_check *check)
 {
     for (int point = 0; point < LF_CHECK_POINTS; point++)
-        lf_check_say(check, point, LF_CHECK_NONE, NULL, NULL, "not measured");
+        lf_check_say(check, point, LF_CHECK_NONE, NULL, NULL,
+                     point == CHECK_EDGES ? "" : "not measured");
     lf_check_say(check, CHECK_PDF, LF_CHECK_NONE, NULL, NULL, "the file is a TIFF");
-    lf_check_say(check, CHECK_EDGES, LF_CHECK_NONE, NULL, NULL, "no bleed and no marks");
-    lf_check_say(check, CHECK_SAME, LF_CHECK_NONE, NULL, NULL, "the print was not written here");
+    lf_check_say(check, CHECK_SAME, LF_CHECK_NONE, NULL, NULL,
+                 "the file was not compared with what was written");
 }
 
 /* LF_E_PATH and LF_E_IO are the caller's to tell; damage is a point. */
@@ -246,8 +281,9 @@ static lf_status open_file(lf_check *check, lf_error *err)
         return status;
     }
     snprintf(check->trouble, sizeof check->trouble, "%s", trouble.what);
-    lf_check_say(check, CHECK_LOSSLESS, LF_CHECK_FAIL, "a TIFF", "Write the print again.", "%s",
-                 trouble.what);
+    lf_check_say(check, CHECK_LOSSLESS, LF_CHECK_FAIL, "a TIFF, or a PDF of quiltrender",
+                 "Write the print again.", "%s", trouble.what);
+    lf_check_say(check, CHECK_PDF, LF_CHECK_NONE, NULL, NULL, "the file cannot be read");
     return LF_OK;
 }
 
@@ -299,8 +335,10 @@ static lf_status run(lf_check *check, lf_error *err)
         status = lf_check_manifest(check, err);
     if (status != LF_OK)
         return status;
-    if (check->file)
+    if (check->file) {
         lf_check_tags(check);
+        lf_check_pdf(check);
+    }
     check->fits = fits(check);
     status = compare_witness(check, err);
     if (status == LF_OK)
@@ -316,6 +354,8 @@ static lf_status run(lf_check *check, lf_error *err)
     judge_positions(check);
     judge_resampling(check);
     judge_stored(check);
+    lf_check_views(check);
+    say_edges(check);
     return LF_OK;
 }
 

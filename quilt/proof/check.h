@@ -3,7 +3,8 @@
  * What a file can say about itself differs. Its tags, size, profile, hash and manifest are always
  * checked. Pitch, phase and jitter are measured in the picture, from the stripes that share pixels,
  * and in the alignment strips. A picture whose views are equal, or with more views than 0.95 dpi /
- * lpi, tells nothing about them; the point then says so and does not apply. The order of views
+ * lpi, tells nothing about them; the point then says so and does not apply. Nor does a compensated
+ * picture, whose pixels are no plain mixtures of their stripes. The order of views
  * and the own share are measured on a strip of code views, which the same writer makes from the
  * manifest's options. They prove the writer. For the file itself they follow from a witness: rows
  * kept while it was written.

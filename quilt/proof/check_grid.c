@@ -298,7 +298,7 @@ lf_status lf_check_picture(lf_check *check, lf_error *err)
 {
     lines l;
     lf_check_grid *grid = &check->grid;
-    if (!check->fits || check->is_chart || !check->linear)
+    if (!check->fits || check->is_chart || !check->linear || check->print.compensation.on)
         return LF_OK;
     grid->exact = !check->print.icc_path && check->same_profile && check->tags->samples == 3;
     lf_status status = begin(check, &l);

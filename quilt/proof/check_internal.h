@@ -89,6 +89,11 @@ bool lf_check_fit(const double *x_mm, const double *moved_um, const double *erro
 LF_NODISCARD lf_status lf_check_manifest_read(lf_check *check, lf_error *err);
 LF_NODISCARD lf_status lf_check_manifest(lf_check *check, lf_error *err);
 void lf_check_tags(lf_check *check);
+/* Of a PDF: its page, and the resolution that its matrix gives. Nothing for a TIFF. */
+void lf_check_pdf(lf_check *check);
+void lf_check_pdf_resolution(lf_check *check);
+/* The number of views, once it is known whether the picture's stripes were measured. */
+void lf_check_views(lf_check *check);
 LF_NODISCARD lf_status lf_check_picture(lf_check *check, lf_error *err);
 /* Whether the bleed is filled; for prints without marks. */
 LF_NODISCARD lf_status lf_check_bleed(lf_check *check, lf_error *err);

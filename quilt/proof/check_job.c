@@ -164,16 +164,45 @@ static void put_lenses(lf_pdf *pdf, double *y, const json_t *root)
     put_fact(pdf, y, "Order", "%s(%s)", order, word_of(root, "stripes", "order_runs"));
 }
 
+/* "; 3 x 2 copies" of a page with several, or with a label. */
+static const char *copies_of(const json_t *root, char *out, size_t size)
+{
+    const double columns = lf_check_number(root, "sheet", "columns", 0),
+                 rows = lf_check_number(root, "sheet", "rows", 0);
+    const char *label = json_string_value(json_object_get(json_object_get(root, "sheet"), "label"));
+    size_t used = 0;
+    out[0] = '\0';
+    if (columns * rows > 1.0)
+        used = (size_t)snprintf(out, size, "; %.0f x %.0f copies", columns, rows);
+    if (label && used < size)
+        snprintf(out + used, size - used, "; label \"%.60s\"", label);
+    return out;
+}
+
+/* The profiles by which the print was made. */
+static void put_profiles(lf_pdf *pdf, double *y, const json_t *root)
+{
+    const json_t *used = json_object_get(root, "profiles");
+    const char *lens = json_string_value(json_object_get(json_object_get(used, "lens"), "profile")),
+               *printer =
+                   json_string_value(json_object_get(json_object_get(used, "printer"), "profile"));
+    if (lens || printer)
+        put_fact(pdf, y, "Profiles", "%s%s%s%s%s", lens ? "lens sheet " : "", lens ? lens : "",
+                 lens && printer ? ", " : "", printer ? "printer " : "", printer ? printer : "");
+}
+
 static void put_facts(lf_pdf *pdf, double *y, const lf_print_report *report)
 {
+    char copies[96];
     const json_t *root = report->manifest;
     const char *slash = strrchr(report->file, '/');
     put_fact(pdf, y, "File", "%s", slash ? slash + 1 : report->file);
     put_fact(pdf, y, "Bytes", "%.0f", (double)report->bytes);
     if (!root)
         return;
-    put_fact(pdf, y, "Trim size", "%.6g x %.6g mm", lf_check_number(root, "size", "trim_mm", 0),
-             lf_check_number(root, "size", "trim_mm", 1));
+    put_profiles(pdf, y, root);
+    put_fact(pdf, y, "Trim size", "%.6g x %.6g mm%s", lf_check_number(root, "size", "trim_mm", 0),
+             lf_check_number(root, "size", "trim_mm", 1), copies_of(root, copies, sizeof copies));
     put_fact(pdf, y, "Paper", "at least %.1f x %.1f mm (bleed %.3g, marks %.3g mm)",
              lf_check_number(root, "size", "raster_mm", 0),
              lf_check_number(root, "size", "raster_mm", 1),

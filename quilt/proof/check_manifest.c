@@ -105,6 +105,8 @@ lf_status lf_check_manifest_read(lf_check *check, lf_error *err)
     check->is_chart = json_is_object(json_object_get(*root, "chart"));
     status = take_options(json_object_get(*root, "options"), &check->print, &problem);
     if (status == LF_OK)
+        status = lf_print_take_crosstalk(*root, "manifest", &check->print.blur, &problem);
+    if (status == LF_OK)
         status = check->is_chart ? lf_chart_check(&check->print, &problem)
                                  : lf_print_check(&check->print, NULL, &problem);
     if (status != LF_OK)
@@ -252,18 +254,34 @@ static void compare_profile(lf_check *check)
 
 /* --------------------------------------------------------------------------- views and depth -- */
 
-static void judge_views(lf_check *check)
+/* True if a picture's stripes lie where so many views have them. */
+static bool has_measured_stripes(const lf_check *check)
+{
+    for (int i = 0; i < check->n_meters; i++)
+        if (strcmp(check->meters[i].what, "picture") == 0)
+            return true;
+    return false;
+}
+
+void lf_check_views(lf_check *check)
 {
     const lf_print *print = &check->print;
+    if (!check->known || check->is_chart)
+        return;
     const double pixels_a_lens = check->dpi[print->horizontal ? 1 : 0] / print->lpi /
                                  cos(print->optics.slant * acos(-1.0) / 180.0);
     const int columns = print->n_views / lf_print_view_rows(print);
     const double ratio = columns / pixels_a_lens;
     const bool fine = columns <= 2 || ratio <= 0.8 + 1e-9;
-    lf_check_say(check, CHECK_VIEWS, fine ? LF_CHECK_PASS : LF_CHECK_WARN,
+    const bool seen = check->differing == 0 || has_measured_stripes(check);
+    lf_check_say(check, CHECK_VIEWS,
+                 !fine  ? LF_CHECK_WARN
+                 : seen ? LF_CHECK_PASS
+                        : LF_CHECK_NONE,
                  "at most 0.8 views per pixel of a lens",
                  "Neighbouring views show as ghosts; use fewer views or a higher resolution.",
-                 "%d views in %.5g pixels: %.2f", columns, pixels_a_lens, ratio);
+                 "%d views in %.5g pixels: %.2f%s", columns, pixels_a_lens, ratio,
+                 seen ? "" : ", by the options alone");
 }
 
 static void judge_depth(lf_check *check)
@@ -309,9 +327,7 @@ lf_status lf_check_manifest(lf_check *check, lf_error *err)
     else
         lf_check_say(check, CHECK_MANIFEST, LF_CHECK_PASS, limit, NULL,
                      "complete; SHA-256 %.16s ...", hash);
-    if (!check->is_chart) {
-        judge_views(check);
+    if (!check->is_chart)
         judge_depth(check);
-    }
     return LF_OK;
 }

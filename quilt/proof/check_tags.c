@@ -28,6 +28,10 @@ static bool is_exactly(const uint32_t fraction[2], double dpi)
 
 static void check_resolution(lf_check *check)
 {
+    if (lf_print_file_boxes(check->file)) {
+        lf_check_pdf_resolution(check);
+        return;
+    }
     const uint32_t(*at)[2] = check->tags->resolution;
     const bool inch = check->tags->unit == 2;
     const bool same = is_exactly(at[0], check->dpi[0]) && is_exactly(at[1], check->dpi[1]);
@@ -42,21 +46,42 @@ static void check_resolution(lf_check *check)
                                           : "unknown unit");
 }
 
-static bool is_native(double dpi)
+/* The resolutions that the printer's profile names, which the manifest keeps; NULL: it names none.
+ */
+static const json_t *natives_of(const lf_check *check)
+{
+    const json_t *printer =
+        json_object_get(json_object_get(check->report->manifest, "profiles"), "printer");
+    const json_t *list = json_object_get(printer, "native_dpi");
+    return json_array_size(list) > 0 ? list : NULL;
+}
+
+/* list: NULL: those of common printers. */
+static bool is_native(const json_t *list, double dpi)
 {
     static const double rasters[] = {300, 360, 600, 720, 1200, 1440, 2400, 2880};
-    for (size_t i = 0; i < sizeof rasters / sizeof rasters[0]; i++)
-        if (dpi == rasters[i])
+    const size_t n = list ? json_array_size(list) : sizeof rasters / sizeof rasters[0];
+    for (size_t i = 0; i < n; i++)
+        if (dpi == (list ? json_number_value(json_array_get(list, i)) : rasters[i]))
             return true;
     return false;
 }
 
 static void check_raster(lf_check *check)
 {
-    const bool native = is_native(check->dpi[0]) && is_native(check->dpi[1]);
+    const json_t *list = natives_of(check);
+    const bool native = is_native(list, check->dpi[0]) && is_native(list, check->dpi[1]);
+    char limit[96];
+    size_t used = 0;
+    for (size_t i = 0; i < json_array_size(list) && used < sizeof limit; i++)
+        used += (size_t)snprintf(limit + used, sizeof limit - used, "%s%.6g", i > 0 ? ", " : "",
+                                 json_number_value(json_array_get(list, i)));
+    if (list && used < sizeof limit)
+        snprintf(limit + used, sizeof limit - used, " dpi, by the printer's profile");
     lf_check_say(check, CHECK_RASTER, native ? LF_CHECK_PASS : LF_CHECK_WARN,
-                 "300, 360, 600, 720, 1200, 1440, 2400 or 2880 dpi",
-                 "Drivers resample other rasters, unless this is your printer's own.",
+                 list ? limit : "300, 360, 600, 720, 1200, 1440, 2400 or 2880 dpi",
+                 list ? "The driver resamples this raster; print at one of the profile's."
+                      : "Drivers resample other rasters, unless this is your printer's own.",
                  "%.10g x %.10g dpi", check->dpi[0], check->dpi[1]);
 }
 
@@ -123,6 +148,10 @@ static bool stored_as_said(const lf_check *check, char *said, size_t size)
                 {LF_COMPRESS_DEFLATE, {8, 32946}, "deflate"}};
     const lf_print_tags *tags = check->tags;
     bool same = tags->bits == check->print.bits;
+    if (lf_print_file_boxes(check->file)) { /* quiltrender's have no other compression */
+        snprintf(said, size, "%d bits, deflate", tags->bits);
+        return same;
+    }
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
         if (tags->compression == ways[i].tags[0] || tags->compression == ways[i].tags[1]) {
             snprintf(said, size, "%d bits, %s", tags->bits, ways[i].name);
@@ -136,6 +165,9 @@ void lf_check_tags(lf_check *check)
 {
     static const char limit[] = "lossless, upright, no palette, no alpha, as in the manifest";
     const char *odd = odd_storage(check->tags), *why = lf_print_file_unreadable(check->file);
+    const lf_print_boxes *boxes = lf_print_file_boxes(check->file);
+    if (!odd && boxes && boxes->turned)
+        odd = "a page that is turned or scaled";
     char said[64] = "";
     check_profile(check);
     if (odd || why)

@@ -17,6 +17,7 @@
 
 enum { NONE = 1, LZW = 5, OLD_JPEG = 6, JPEG = 7, DEFLATE = 8, OLD_DEFLATE = 32946 };
 enum { RGB = 2, PALETTE = 3, INKS = 5 };
+enum { FILTER_NONE, FILTER_LEFT, FILTER_ABOVE };
 
 struct lf_print_file {
     lf_tiff tiff;
@@ -25,6 +26,7 @@ struct lf_print_file {
     uint8_t *icc;
     lf_print_light *light; /* NULL: unreadable */
     void *row;             /* for lf_print_file_row */
+    uint8_t *above;        /* of a PDF: the row before next_row */
     lf_strip *strip;
     int next_row; /* that the strip decodes next; -1: a strip must be begun */
 };
@@ -32,8 +34,9 @@ struct lf_print_file {
 /* ----------------------------------------------------------------------------------- opening -- */
 
 /* Static text, or NULL. */
-static const char *what_is_unreadable(const lf_print_tags *t)
+static const char *what_is_unreadable(const lf_tiff *tiff)
 {
+    const lf_print_tags *t = &tiff->tags;
     if (t->compression == JPEG || t->compression == OLD_JPEG)
         return "JPEG compression";
     if (t->compression != NONE && t->compression != LZW && t->compression != DEFLATE &&
@@ -55,7 +58,7 @@ static const char *what_is_unreadable(const lf_print_tags *t)
         return t->tiled ? "tiles instead of strips" : "a plane per channel";
     if (t->fill_order != 1)
         return "bits in reverse order";
-    if (t->predictor != 1 && (t->predictor != 2 || t->compression == NONE))
+    if (t->predictor != 1 && !tiff->is_pdf && (t->predictor != 2 || t->compression == NONE))
         return "an unknown predictor";
     return NULL;
 }
@@ -79,7 +82,9 @@ static lf_status prepare_rows(lf_print_file *file, lf_error *err)
     if (file->unreadable)
         return LF_OK;
     file->row = lf_calloc(1, lf_print_file_raw_bytes(file));
-    if (!file->row || lf_strip_create(&file->tiff, &file->strip) != LF_OK ||
+    file->above = file->tiff.is_pdf ? lf_calloc(1, lf_print_file_raw_bytes(file)) : NULL;
+    if (!file->row || (file->tiff.is_pdf && !file->above) ||
+        lf_strip_create(&file->tiff, &file->strip) != LF_OK ||
         lf_print_light_create(t->samples, t->bits, file->icc, (size_t)t->icc_bytes, &file->light) !=
             LF_OK)
         return lf_error_set(err, LF_E_NOMEM, file->path, "out of memory");
@@ -101,11 +106,12 @@ lf_status lf_print_file_open(const char *path, const lf_roots *roots, lf_print_f
                  : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     file->tiff.where = file->path;
     if (status == LF_OK)
-        status = lf_tiff_read(&file->tiff, err);
+        status = lf_pdf_is(&file->tiff) ? lf_pdf_tags_read(&file->tiff, err)
+                                        : lf_tiff_read(&file->tiff, err);
     if (status == LF_OK)
         status = read_profile(file, err);
     if (status == LF_OK) {
-        file->unreadable = what_is_unreadable(&file->tiff.tags);
+        file->unreadable = what_is_unreadable(&file->tiff);
         status = prepare_rows(file, err);
     }
     if (status != LF_OK) {
@@ -125,6 +131,7 @@ void lf_print_file_close(lf_print_file *file)
     lf_print_light_destroy(file->light);
     lf_strip_destroy(file->strip);
     lf_free(file->row);
+    lf_free(file->above);
     lf_free(file->icc);
     lf_free(file->path);
     lf_free(file);
@@ -135,6 +142,11 @@ void lf_print_file_close(lf_print_file *file)
 const lf_print_tags *lf_print_file_tags(const lf_print_file *file)
 {
     return &file->tiff.tags;
+}
+
+const lf_print_boxes *lf_print_file_boxes(const lf_print_file *file)
+{
+    return file->tiff.is_pdf ? &file->tiff.boxes : NULL;
 }
 
 const void *lf_print_file_icc(const lf_print_file *file, size_t *out_size)
@@ -206,6 +218,34 @@ static bool begin_row(lf_print_file *file, int y, void *scratch)
     return true;
 }
 
+/* Rows of a PDF are filtered as those of PNG files, and follow from the row above. Averages and
+ * Paeth's filter are not quiltrender's. */
+static bool read_filtered(lf_print_file *file, int y, uint8_t *out)
+{
+    const lf_print_tags *t = &file->tiff.tags;
+    const size_t bytes = lf_print_file_raw_bytes(file),
+                 pixel = (size_t)t->samples * (size_t)t->bits / 8;
+    if (file->next_row < 0 || file->next_row > y) {
+        file->next_row = -1;
+        if (!lf_strip_begin(file->strip, 0))
+            return false;
+        memset(file->above, 0, bytes);
+        file->next_row = 0;
+    }
+    for (; file->next_row <= y; file->next_row++) {
+        uint8_t filter;
+        if (!lf_strip_read(file->strip, &filter, 1) || filter > FILTER_ABOVE ||
+            !lf_strip_read(file->strip, out, bytes))
+            return false;
+        for (size_t i = 0; i < bytes && filter != FILTER_NONE; i++)
+            out[i] = (uint8_t)(out[i] + (filter == FILTER_ABOVE ? file->above[i]
+                                         : i < pixel            ? 0
+                                                                : out[i - pixel]));
+        memcpy(file->above, out, bytes);
+    }
+    return true;
+}
+
 lf_status lf_print_file_raw(lf_print_file *file, int y, void *out, lf_error *err)
 {
     const lf_print_tags *t = &file->tiff.tags;
@@ -214,10 +254,14 @@ lf_status lf_print_file_raw(lf_print_file *file, int y, void *out, lf_error *err
         return lf_error_set(err, LF_E_FORMAT, file->path,
                             "has %s; save it as plain RGB or CMYK of 8 or 16 bits",
                             file->unreadable);
-    if (!begin_row(file, y, out) || !lf_strip_read(file->strip, out, bytes)) {
+    const bool read = file->tiff.is_pdf
+                          ? read_filtered(file, y, out)
+                          : begin_row(file, y, out) && lf_strip_read(file->strip, out, bytes);
+    if (!read) {
         file->next_row = -1;
         return lf_error_set(err, LF_E_FORMAT, file->path,
-                            "damaged TIFF: row %d cannot be read; write the file again", y);
+                            "damaged %s: row %d cannot be read; write the file again",
+                            file->tiff.is_pdf ? "PDF" : "TIFF", y);
     }
     file->next_row = (y + 1) % t->rows_per_strip == 0 ? -1 : y + 1;
     if (t->bits == 16 && t->big_endian)

@@ -7,6 +7,9 @@
 
 /* Directories of prints have about twenty tags; other programs add some. */
 #define MAX_ENTRIES 512
+/* Other resolutions are none of a printer. */
+#define LEAST_DPI 1.0
+#define MOST_DPI 1e5
 /* More than LZW (4,094) and deflate (1,032) can expand a byte. */
 #define MAX_GROWTH 4200
 
@@ -72,6 +75,10 @@ bool lf_tiff_bytes(const lf_tiff *tiff, uint64_t at, void *out, size_t n)
 bool lf_tiff_element(const lf_tiff *tiff, const lf_tiff_list *list, uint64_t i, uint64_t *out)
 {
     uint8_t bytes[8];
+    if (tiff->is_pdf && i < list->count) {
+        *out = list->at;
+        return true;
+    }
     if (i >= list->count || list->bytes == 0 ||
         !lf_tiff_bytes(tiff, list->at + i * (uint64_t)list->bytes, bytes, (size_t)list->bytes))
         return false;
@@ -221,7 +228,7 @@ static lf_status read_head(lf_tiff *tiff, uint64_t *out_directory, lf_error *err
     if (!there || head[0] != head[1] || (head[0] != 'I' && head[0] != 'M') ||
         (version != 42 && version != 43))
         return lf_error_set(err, LF_E_FORMAT, tiff->where,
-                            "not a TIFF; give the print that quiltrender wrote");
+                            "neither a TIFF nor a PDF; give the print that quiltrender wrote");
     tiff->tags.big = version == 43;
     *out_directory = number_of(tiff, head + 4, 4);
     if (tiff->tags.big) {
@@ -269,9 +276,11 @@ static lf_status read_directory(lf_tiff *tiff, uint64_t at, lf_error *err)
 static void set_dpi(lf_print_tags *t)
 {
     for (int i = 0; i < 2; i++)
-        if (t->resolution[i][1] > 0 && (t->unit == 2 || t->unit == 3))
-            t->dpi[i] =
+        if (t->resolution[i][1] > 0 && (t->unit == 2 || t->unit == 3)) {
+            const double dpi =
                 (double)t->resolution[i][0] / t->resolution[i][1] * (t->unit == 3 ? 2.54 : 1.0);
+            t->dpi[i] = dpi >= LEAST_DPI && dpi <= MOST_DPI ? dpi : 0.0;
+        }
 }
 
 static lf_status check_strips(lf_tiff *tiff, lf_error *err)

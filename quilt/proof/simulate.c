@@ -14,6 +14,8 @@
 #define MAX_LENSES 16000000
 /* The closest eye, in thicknesses of the sheet. */
 #define CLOSEST 4.0
+/* How far the light of an edge reaches, where lenses see what was cut off. */
+enum { FAR_LENSES = 4, FAR_ALONG = 64 };
 
 /* A place on the print, in lenses. */
 typedef struct place {
@@ -25,6 +27,8 @@ typedef struct sight {
     lf_lens lens; /* for the radial map about the foot of the eye */
     lf_eye eye;
     int width, height; /* of the raster */
+    /* pixels that are wholly inside the trim size: from first to end - 1, right and down */
+    int first[2], end[2];
     double pixel_mm[2];
     lf_weight across, down; /* of pixels by their distance to a spot */
     double visual_mm;       /* from spot to spot on the print … */
@@ -32,6 +36,7 @@ typedef struct sight {
     double along_half;      /* half of a pixel's extent along the lenses */
     lf_proof_light *out;
     float *sum;    /* [n_along][n][4]: weighted light, and weight */
+    float full;    /* the largest of these weights */
     place *places; /* of a row, [n_places] */
     int n_places;
     /* pixels of a row that are seen */
@@ -69,10 +74,11 @@ static place place_of(const sight *s, double x, double y)
 static bool fill_places(sight *s, int y)
 {
     const double half = s->across.reach / s->visual_mm;
-    const double y_mm = (y + 0.5 - 0.5 * s->height) * s->pixel_mm[1];
+    const double y_mm = (y + 0.5 - 0.5 * s->height) * s->pixel_mm[1] - s->sheet->middle_down_mm;
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < s->n_places; i++) {
-        const double x_mm = (i * STEP + 0.5 - 0.5 * s->width) * s->pixel_mm[0];
+        const double x_mm =
+            (i * STEP + 0.5 - 0.5 * s->width) * s->pixel_mm[0] - s->sheet->middle_right_mm;
         s->places[i] = place_of(s, x_mm, y_mm);
         low = fmin(low, s->places[i].across);
         high = fmax(high, s->places[i].across);
@@ -100,7 +106,7 @@ static void add_along(sight *s, int lens, double along, double weight, const flo
     const lf_proof_light *out = s->out;
     const double low = (along - s->along_half - out->along0_mm) / out->along_mm,
                  high = (along + s->along_half - out->along0_mm) / out->along_mm;
-    const int first = (int)floor(low), last = (int)floor(high);
+    const int first = (int)fmax(floor(low), 0.0), last = (int)fmin(floor(high), out->n_along - 1.0);
     for (int i = first; i <= last; i++) {
         const double covered = fmin(high, i + 1.0) - fmax(low, (double)i);
         if (covered > 0.0)
@@ -111,7 +117,10 @@ static void add_along(sight *s, int lens, double along, double weight, const flo
 static void add_linear(sight *s, place p, const float light[3])
 {
     const double half = s->across.reach / s->visual_mm;
-    for (int lens = (int)ceil(p.across - half); lens <= p.across + half; lens++) {
+    const lf_proof_light *out = s->out;
+    const int first = (int)fmax(ceil(p.across - half), out->first),
+              last = (int)fmin(floor(p.across + half), out->first + out->n - 1.0);
+    for (int lens = first; lens <= last; lens++) {
         const double w = lf_weight_at(&s->across, (p.across - lens) * s->visual_mm);
         if (w > 0.0)
             add_along(s, lens, p.along, w, light);
@@ -149,6 +158,15 @@ static bool is_seen(const sight *s, place p)
             fabs(p.along - round(p.along)) * s->row_mm <= s->down.reach);
 }
 
+/* What a coverage of ink prints as (lf_print_blur). */
+static void gain_dots(float *light, size_t n, float gain)
+{
+    for (size_t i = 0; i < 3 * n && gain > 0.0F; i++) {
+        const float dark = 1.0F - light[i];
+        light[i] = fmaxf(1.0F - dark - 4.0F * gain * dark * (1.0F - dark), 0.0F);
+    }
+}
+
 static lf_status see_row(sight *s, lf_print_file *file, int y, lf_error *err)
 {
     int n = 0;
@@ -157,7 +175,7 @@ static lf_status see_row(sight *s, lf_print_file *file, int y, lf_error *err)
     const lf_status status = lf_print_file_raw(file, y, s->raw, err);
     if (status != LF_OK)
         return status;
-    for (int x = 0; x < s->width; x++) {
+    for (int x = s->first[0]; x < s->end[0]; x++) {
         /* from the front, the raster on the back runs from right to left */
         const int column = s->sheet->mirror ? s->width - 1 - x : x;
         if (!is_seen(s, between(s, x)))
@@ -167,6 +185,7 @@ static lf_status see_row(sight *s, lf_print_file *file, int y, lf_error *err)
         s->at[n++] = x;
     }
     lf_print_file_light(file, s->seen, (size_t)n, s->light);
+    gain_dots(s->light, (size_t)n, (float)s->sheet->dot_gain);
     for (int i = 0; i < n; i++)
         if (s->sheet->grid == LF_LENS_LINEAR)
             add_linear(s, between(s, s->at[i]), s->light + 3 * (size_t)i);
@@ -238,41 +257,66 @@ static void set_weights(sight *s)
                  down = fabs(sheet->down) * s->pixel_mm[1];
     s->visual_mm = sheet->pitch_mm * magnified;
     s->row_mm = row_pitch(sheet) * magnified;
-    lf_weight_make(&s->across, right, down, sheet->spot_mm, sheet->ink_mm);
+    lf_weight_make(&s->across, right, down, sheet->spot_mm, sheet->ink_mm, &sheet->spots);
     lf_weight_make(&s->down, fabs(sheet->right) * s->pixel_mm[1],
-                   fabs(sheet->down) * s->pixel_mm[0], sheet->spot_mm, sheet->ink_mm);
+                   fabs(sheet->down) * s->pixel_mm[0], sheet->spot_mm, sheet->ink_mm, NULL);
     s->along_half = 0.5 * (sheet->horizontal ? fabs(sheet->down) * s->pixel_mm[0]
                                              : fabs(sheet->right) * s->pixel_mm[1]);
 }
 
-static bool is_empty(const sight *s, int along, int lens)
+static float weight_of(const sight *s, int along, int lens)
 {
-    return !(s->sum[4 * ((size_t)along * (size_t)s->out->n + (size_t)lens) + 3] > 0.0F);
+    return s->sum[4 * ((size_t)along * (size_t)s->out->n + (size_t)lens) + 3];
 }
 
-/* The nearest part of the same lens, then the nearest lens, that saw the print; -1: none. What lies
- * outside the print counts as its edge. */
-static long source_of(const sight *s, int along, int lens)
+/* Less than half of the spot is on the print. */
+static bool is_empty(const sight *s, int along, int lens)
+{
+    return !(weight_of(s, along, lens) > 0.5F * s->full);
+}
+
+/* The weight of a spot that is wholly on the print; all have about the same. */
+static float full_weight(const sight *s)
+{
+    float full = 0.0F;
+    for (int along = 0; along < s->out->n_along; along++)
+        for (int lens = 0; lens < s->out->n; lens++)
+            full = fmaxf(full, weight_of(s, along, lens));
+    return full;
+}
+
+/* The nearest part of a lens that saw the print; -1: none. */
+static long source_in(const sight *s, int along, int lens)
 {
     const lf_proof_light *out = s->out;
-    for (int far = 0; far < 4; far++)
+    if (lens < 0 || lens >= out->n)
+        return -1;
+    for (int far = 0; far < FAR_ALONG; far++)
         for (int side = -1; side <= 1; side += 2) {
             const int other = along + side * far;
             if (other >= 0 && other < out->n_along && !is_empty(s, other, lens))
                 return (long)other * out->n + lens;
         }
-    for (int far = 1; far < 4; far++)
+    return -1;
+}
+
+/* The same of this lens, or else of the nearest one. What lies outside the print counts as its
+ * edge. */
+static long source_of(const sight *s, int along, int lens)
+{
+    for (int far = 0; far < FAR_LENSES; far++)
         for (int side = -1; side <= 1; side += 2) {
-            const int other = lens + side * far;
-            if (other >= 0 && other < out->n && !is_empty(s, along, other))
-                return (long)along * out->n + other;
+            const long found = source_in(s, along, lens + side * far);
+            if (found >= 0)
+                return found;
         }
     return -1;
 }
 
-static void finish_light(const sight *s)
+static void finish_light(sight *s)
 {
     const lf_proof_light *out = s->out;
+    s->full = full_weight(s);
     for (int along = 0; along < out->n_along; along++)
         for (int lens = 0; lens < out->n; lens++) {
             const long from = source_of(s, along, lens);
@@ -285,8 +329,8 @@ static void finish_light(const sight *s)
 
 static lf_status see(sight *s, lf_print_file *file, const lf_cancel *cancel, lf_error *err)
 {
-    for (int y = 0; y < s->height; y++) {
-        if (cancel && y % 64 == 0 && atomic_load_explicit(cancel, memory_order_relaxed))
+    for (int y = s->first[1]; y < s->end[1]; y++) {
+        if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
             return lf_error_set(err, LF_E_CANCELLED, "proof", "interrupted");
         const lf_status status = see_row(s, file, y, err);
         if (status != LF_OK)
@@ -294,6 +338,21 @@ static lf_status see(sight *s, lf_print_file *file, const lf_cancel *cancel, lf_
     }
     finish_light(s);
     return LF_OK;
+}
+
+/* Only what lies inside the trim edges is left to be seen. */
+static void cut_edges(sight *s)
+{
+    const lf_proof_sheet *sheet = s->sheet;
+    const double size[2] = {sheet->width_mm, sheet->height_mm},
+                 middle[2] = {sheet->middle_right_mm, sheet->middle_down_mm};
+    const int n[2] = {s->width, s->height};
+    for (int i = 0; i < 2; i++) {
+        const double low = (middle[i] - 0.5 * size[i]) / s->pixel_mm[i] + 0.5 * n[i],
+                     high = (middle[i] + 0.5 * size[i]) / s->pixel_mm[i] + 0.5 * n[i];
+        s->first[i] = (int)ceil(fmin(fmax(low - 1e-6, 0.0), n[i]));
+        s->end[i] = (int)floor(fmin(fmax(high + 1e-6, 0.0), n[i]));
+    }
 }
 
 lf_status lf_proof_see(lf_print_file *file, const lf_proof_sheet *sheet, const lf_eye *eye,
@@ -318,6 +377,7 @@ lf_status lf_proof_see(lf_print_file *file, const lf_proof_sheet *sheet, const l
         return lf_error_set(err, LF_E_ARG, "--eye",
                             "is closer than %.0f mm, %g times the sheet's thickness",
                             CLOSEST * sheet->thickness_mm, CLOSEST);
+    cut_edges(&s);
     set_weights(&s);
     lf_status status = lay_out(&s, n_along, err);
     if (status == LF_OK)

@@ -6,8 +6,13 @@
 #include "quilt/lens.h"
 #include "quilt/profiles.h"
 #include "quilt/proof/simulate.h"
+#include "quilt/proof/simulate_weight.h"
 
 #define MM_PER_INCH 25.4
+/* Light inside the sheet that does not leave it: an eye at 80 degrees sees the rest. */
+#define MOST_SINE 0.985
+/* Copies are within this distance from the middle of their page, mm. */
+#define MOST_ASIDE 1e4
 
 static double spot_of(const lf_print *print, int n_views)
 {
@@ -59,6 +64,7 @@ void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_note
         .distance_mm = distance,
         .spot_mm = spot_of(print, n_views),
         .ink_mm = print->blur.ink_mm,
+        .dot_gain = print->blur.dot_gain,
         .width_mm = print->width_mm,
         .height_mm = print->height_mm,
         .mirror = print->mirror,
@@ -66,6 +72,7 @@ void lf_proof_sheet_of(const lf_print *print, lf_proof_sheet *out, lf_image_note
                      MM_PER_INCH / (print->dpi_down > 0.0 ? print->dpi_down : print->dpi)},
         .n_views = n_views,
     };
+    lf_proof_fit_spots(print, out->pixel_mm[print->horizontal ? 1 : 0], out);
 }
 
 double lf_proof_visual_mm(const lf_proof_sheet *sheet, double distance_mm)
@@ -73,15 +80,65 @@ double lf_proof_visual_mm(const lf_proof_sheet *sheet, double distance_mm)
     return sheet->pitch_mm * lf_lens_enlargement(sheet->thickness_mm, sheet->index, distance_mm);
 }
 
+double lf_proof_eye_at(const lf_proof_sheet *sheet, double distance_mm, double share)
+{
+    const double t = sheet->thickness_mm, n = sheet->index;
+    const double cell = lf_proof_visual_mm(sheet, sheet->distance_mm);
+    const double sine = n * sin(atan(share * cell / t));
+    return distance_mm * tan(asin(fmin(fmax(sine, -MOST_SINE), MOST_SINE)));
+}
+
 double lf_proof_view_range(const lf_proof_sheet *sheet, double distance_mm)
 {
-    return lf_proof_visual_mm(sheet, distance_mm) * sheet->index * distance_mm /
-           sheet->thickness_mm;
+    return 2.0 * lf_proof_eye_at(sheet, distance_mm, 0.5);
 }
 
 double lf_proof_view_step(const lf_proof_sheet *sheet, double distance_mm)
 {
-    return lf_proof_view_range(sheet, distance_mm) / sheet->n_views;
+    return 2.0 * lf_proof_eye_at(sheet, distance_mm, 0.5 / sheet->n_views);
+}
+
+/* ---------------------------------------------------------------------------------- the page -- */
+
+/* Lenses count from the middle of the page. Whole lenses do not matter. */
+static void move_lenses(lf_proof_sheet *sheet)
+{
+    const double x = sheet->middle_right_mm, y = sheet->middle_down_mm;
+    const double row_mm =
+        sheet->grid == LF_LENS_HEXAGONAL ? sheet->pitch_mm * sqrt(0.75) : sheet->pitch_mm;
+    double lenses = (x * sheet->right + y * sheet->down) / sheet->pitch_mm;
+    const double rows = (sheet->horizontal ? x * sheet->down - y * sheet->right
+                                           : y * sheet->right - x * sheet->down) /
+                        row_mm;
+    if (sheet->grid == LF_LENS_HEXAGONAL && fmod(fabs(round(rows)), 2.0) == 1.0)
+        lenses -= 0.5;
+    sheet->offset -= lenses - round(lenses);
+    sheet->offset_down -= rows - round(rows);
+}
+
+lf_status lf_proof_take_copy(const json_t *manifest, const char *where, lf_proof_sheet *sheet,
+                             int *out_columns, int *out_rows, lf_error *err)
+{
+    const json_t *page = json_object_get(manifest, "sheet");
+    const json_t *middle =
+        json_object_get(json_array_get(json_object_get(page, "copies"), 0), "middle_mm");
+    const double right = json_number_value(json_array_get(middle, 0)),
+                 down = json_number_value(json_array_get(middle, 1));
+    const json_int_t columns = json_integer_value(json_object_get(page, "columns")),
+                     rows = json_integer_value(json_object_get(page, "rows"));
+    *out_columns = *out_rows = 1;
+    if (!json_is_object(page))
+        return LF_OK;
+    if (!middle || !(fabs(right) <= MOST_ASIDE) || !(fabs(down) <= MOST_ASIDE) || columns < 1 ||
+        rows < 1 || columns > LF_COPIES_MOST || rows > LF_COPIES_MOST)
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "has a manifest whose copies have no place; write the print again");
+    sheet->middle_right_mm = sheet->mirror ? -right : right;
+    sheet->middle_down_mm = down;
+    move_lenses(sheet);
+    *out_columns = (int)columns;
+    *out_rows = (int)rows;
+    return LF_OK;
 }
 
 /* ---------------------------------------------------------------------------------- manifest -- */
@@ -142,6 +199,8 @@ lf_status lf_proof_print_of(const lf_print_file *file, const json_t *manifest, c
                              : lf_error_set(err, LF_E_NOMEM, where, "out of memory");
     if (status == LF_OK && lf_param_from_json(lf_print_params, given, out, where, err) != LF_OK)
         status = LF_E_FORMAT;
+    if (status == LF_OK)
+        status = lf_print_take_crosstalk(manifest, where, &out->blur, err);
     json_decref(given);
     return status;
 }

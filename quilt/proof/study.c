@@ -37,6 +37,19 @@ static double seen_share(const lf_proof_sheet *sheet, double pixel, double edge,
     return sum / weights;
 }
 
+/* The same in all spots of a lens. */
+static double seen_in_all(const lf_proof_sheet *sheet, double pixel, double edge, double middle,
+                          double half, lf_stripes stripes)
+{
+    const lf_proof_spots *spots = &sheet->spots;
+    double sum = spots->n > 0 ? 0.0 : seen_share(sheet, pixel, edge, middle, half, stripes);
+    for (int k = 0; k < spots->n; k++)
+        if (spots->share[k] > 0.0)
+            sum += spots->share[k] * seen_share(sheet, pixel, edge - spots->right_mm[k],
+                                                middle - spots->right_mm[k], half, stripes);
+    return sum;
+}
+
 lf_own_view lf_proof_own_view(const lf_print *print, const lf_proof_sheet *sheet)
 {
     const double dpi = print->horizontal && print->dpi_down > 0.0 ? print->dpi_down : print->dpi;
@@ -44,12 +57,12 @@ lf_own_view lf_proof_own_view(const lf_print *print, const lf_proof_sheet *sheet
     lf_own_view own = {.worst = 1.0};
     for (int i = 0; i < ALIGNMENTS; i++) {
         const double edge = pixel * i / ALIGNMENTS;
-        const double share = seen_share(sheet, pixel, edge, 0.0, 0.5 * stripe, print->stripes);
+        const double share = seen_in_all(sheet, pixel, edge, 0.0, 0.5 * stripe, print->stripes);
         own.mean += share / ALIGNMENTS;
         own.worst = fmin(own.worst, share);
         for (int side = -1; side <= 1; side += 2)
             own.beside +=
-                seen_share(sheet, pixel, edge, side * stripe, 0.5 * stripe, print->stripes) /
+                seen_in_all(sheet, pixel, edge, side * stripe, 0.5 * stripe, print->stripes) /
                 ALIGNMENTS;
     }
     return own;

@@ -7,6 +7,7 @@
 
 /* Side of a block, in lenses; the largest shift that is searched, in lenses. */
 #define LF_PROOF_BLOCK 16
+#define LF_PROOF_CELL 4 /* side of the parts of a block that are marked */
 #define LF_PROOF_SEARCH 10
 
 /* Shares of the light that an eye in the middle of a view gets through a lens, over all ways in
@@ -29,10 +30,13 @@ typedef struct lf_proof_depth {
     int columns, rows; /* of blocks */
     float *shift;      /* [rows][columns] lenses, along with the eye: > 0 behind the print, < 0 in
                         * front of it; NAN: nothing to match. Owned by this struct */
-    double measured;   /* share of the blocks with structure that could be matched */
-    double most;       /* largest |shift| */
-    double over;       /* share of the matched blocks that shift by more than 1 lens */
-    bool cut[4];       /* something in front of the print touches left, right, top, bottom */
+    /* [rows * 4][columns * 4] parts of blocks that shift by more than 1 lens, and are seen to: they
+     * would differ without the shift. Owned by this struct */
+    uint8_t *doubled;
+    double measured; /* share of the blocks with structure that could be matched */
+    double most;     /* largest |shift| */
+    double over;     /* share of the matched blocks that shift by more than 1 lens */
+    bool cut[4];     /* something in front of the print touches left, right, top, bottom */
 } lf_proof_depth;
 /* Under this share of matched blocks, the views are of different images: a flip. */
 #define LF_PROOF_FLIP 0.5

@@ -13,7 +13,7 @@
 #define MOST_LEFT 0.4
 /* Shift in front of the print that counts at its edge, in lenses. */
 #define IN_FRONT 0.25
-enum { VIEWS = 3, BLOCK = LF_PROOF_BLOCK, SEARCH = LF_PROOF_SEARCH };
+enum { VIEWS = 3, BLOCK = LF_PROOF_BLOCK, CELL = LF_PROOF_CELL, SEARCH = LF_PROOF_SEARCH };
 
 /* Brightness of a view, about as eyes see it; across the lenses first. */
 typedef struct view {
@@ -44,16 +44,16 @@ static double at(const view *v, int line, int i)
     return (double)v->value[(size_t)line * (size_t)v->n + (size_t)i];
 }
 
-/* Mean square of what a shift leaves of a block. */
-static double left_over(const view *a, const view *b, int i0, int line0, int shift)
+/* Mean square of what a shift leaves of a square. */
+static double left_over(const view *a, const view *b, int i0, int line0, int side, int shift)
 {
     double sum = 0.0;
-    for (int line = line0; line < line0 + BLOCK; line++)
-        for (int i = i0; i < i0 + BLOCK; i++) {
+    for (int line = line0; line < line0 + side; line++)
+        for (int i = i0; i < i0 + side; i++) {
             const double d = at(a, line, i) - at(b, line, i + shift);
             sum += d * d;
         }
-    return sum / (BLOCK * BLOCK);
+    return sum / (side * side);
 }
 
 static double structure(const view *a, int i0, int line0)
@@ -75,10 +75,10 @@ static match match_block(const view *a, const view *b, int i0, int line0, double
     double cost[2 * SEARCH + 1];
     int best = 0;
     if (structure(a, i0, line0) < LEAST_STRUCTURE)
-        return left_over(a, b, i0, line0, 0) < MOST_UNLIKE ? NOTHING : UNLIKE;
+        return left_over(a, b, i0, line0, BLOCK, 0) < MOST_UNLIKE ? NOTHING : UNLIKE;
     double mean = 0.0;
     for (int s = 0; s <= 2 * SEARCH; s++) {
-        cost[s] = left_over(a, b, i0, line0, s - SEARCH);
+        cost[s] = left_over(a, b, i0, line0, BLOCK, s - SEARCH);
         mean += cost[s] / (2 * SEARCH + 1);
         best = cost[s] < cost[best] ? s : best;
     }
@@ -106,6 +106,21 @@ static void note_cut(lf_proof_depth *d, bool horizontal, int column, int row, do
     }
 }
 
+/* Marks what a block's shift explains, and no shift does not. */
+static void mark_cells(const view *a, const view *b, bool horizontal, int across, int line,
+                       double shift, lf_proof_depth *d)
+{
+    const int n = BLOCK / CELL;
+    for (int k = 0; k < n * n; k++) {
+        const int i = across * BLOCK + k % n * CELL, l = line * BLOCK + k / n * CELL;
+        const double still = left_over(a, b, i, l, CELL, 0);
+        const int x = (horizontal ? l : i) / CELL, y = (horizontal ? i : l) / CELL;
+        if (still > LEAST_STRUCTURE &&
+            left_over(a, b, i, l, CELL, (int)lround(shift)) < MOST_LEFT * still)
+            d->doubled[(size_t)y * (size_t)(d->columns * n) + (size_t)x] = 1;
+    }
+}
+
 static void match_all(const view views[VIEWS], int n_views, bool horizontal, lf_proof_depth *d)
 {
     int n_matched = 0, n_unlike = 0, n_over = 0;
@@ -119,6 +134,8 @@ static void match_all(const view views[VIEWS], int n_views, bool horizontal, lf_
                 const match m =
                     match_block(&views[k], &views[k + 1], across * BLOCK, line * BLOCK, &shift);
                 unlike |= m == UNLIKE;
+                if (m == MATCHED && fabs(shift) > 1.0)
+                    mark_cells(&views[k], &views[k + 1], horizontal, across, line, shift, d);
                 if (m == MATCHED && !(fabs(shift) <= fabs(found)))
                     found = shift;
             }
@@ -140,9 +157,10 @@ static lf_status see_views(lf_print_file *file, const lf_proof_sheet *sheet, dou
                            lf_proof_depth *d, view views[VIEWS], int n_views,
                            const lf_cancel *cancel, lf_error *err)
 {
-    const double step = lf_proof_view_step(sheet, distance_mm);
     for (int k = 0; k < n_views; k++) {
-        const double at_mm = step * ((sheet->n_views / 2 - 1 + k) - 0.5 * (sheet->n_views - 1));
+        const double share =
+            ((sheet->n_views / 2 - 1 + k) - 0.5 * (sheet->n_views - 1)) / sheet->n_views;
+        const double at_mm = lf_proof_eye_at(sheet, distance_mm, share);
         const lf_eye eye = {sheet->horizontal ? 0.0 : at_mm, sheet->horizontal ? at_mm : 0.0,
                             distance_mm};
         lf_image32 image;
@@ -170,8 +188,11 @@ lf_status lf_proof_depth_of(lf_print_file *file, const lf_proof_sheet *sheet, do
     out->columns = out->width / BLOCK;
     out->rows = out->height / BLOCK;
     out->shift = lf_calloc((size_t)out->columns * (size_t)out->rows + 1, sizeof *out->shift);
-    status = out->shift ? see_views(file, sheet, distance_mm, out, views, n_views, cancel, err)
-                        : lf_error_set(err, LF_E_NOMEM, "proof", "out of memory");
+    out->doubled =
+        lf_calloc((size_t)out->columns * (size_t)out->rows + 1, (BLOCK / CELL) * (BLOCK / CELL));
+    status = out->shift && out->doubled
+                 ? see_views(file, sheet, distance_mm, out, views, n_views, cancel, err)
+                 : lf_error_set(err, LF_E_NOMEM, "proof", "out of memory");
     if (status == LF_OK)
         match_all(views, n_views, sheet->horizontal, out);
     for (int k = 0; k < VIEWS; k++)
@@ -184,6 +205,7 @@ lf_status lf_proof_depth_of(lf_print_file *file, const lf_proof_sheet *sheet, do
 void lf_proof_depth_finish(lf_proof_depth *depth)
 {
     lf_free(depth->shift);
+    lf_free(depth->doubled);
     *depth = (lf_proof_depth){0};
 }
 
@@ -191,11 +213,11 @@ void lf_proof_depth_finish(lf_proof_depth *depth)
 
 static bool is_over(const lf_proof_depth *d, const lf_image32 *image, int x, int y)
 {
-    const int column = (int)((double)x * d->width / image->width) / BLOCK,
-              row = (int)((double)y * d->height / image->height) / BLOCK;
-    if (column >= d->columns || row >= d->rows)
-        return false;
-    return fabsf(d->shift[(size_t)row * (size_t)d->columns + (size_t)column]) > 1.0F;
+    const int n_columns = d->columns * (BLOCK / CELL), n_rows = d->rows * (BLOCK / CELL);
+    const int column = (int)((double)x * d->width / image->width) / CELL,
+              row = (int)((double)y * d->height / image->height) / CELL;
+    return column < n_columns && row < n_rows &&
+           d->doubled[(size_t)row * (size_t)n_columns + (size_t)column];
 }
 
 void lf_proof_depth_mark(const lf_proof_depth *d, lf_image32 *image)

@@ -126,7 +126,8 @@ static void prints_take_profiles_by_name(void **state)
                         "\"index\": 1.56, \"calibrations\": [{\"printer\": \"ink\", "
                         "\"visual_lpi\": 30, \"distance_mm\": 400}]}");
     (void)lf_test_write(config, "quiltd/printers/ink.json",
-                        "{\"quiltd_printer\": 1, \"dpi\": 360, \"dot_gain\": 0.1}");
+                        "{\"quiltd_printer\": 1, \"dpi\": 360, \"dot_gain\": 0.1, "
+                        "\"native_dpi\": [360]}");
     char outside[PATH_MAX];
     snprintf(outside, sizeof outside, "%s", lf_test_path(config, "quiltd/lenses/acme.json"));
     setenv("XDG_CONFIG_HOME", config, 1);
@@ -141,6 +142,18 @@ static void prints_take_profiles_by_name(void **state)
     assert_int_equal(
         json_array_size(json_object_get(json_object_get(manifest, "profiles"), "used")), 2);
     json_decref(manifest);
+    /* quiltctl prints what the profiles gave, and their warnings; 400 dpi are not native */
+    char command[3 * PATH_MAX], text[4096] = "";
+    snprintf(
+        command, sizeof command,
+        "'%s' --socket '%s' export print '%s' lens=acme printer=ink dpi=400 width=30 height=20",
+        lf_test_built("quiltctl"), l.socket, lf_test_path(config, "d.tif"));
+    FILE *from = popen(command, "r"); /* NOLINT(cert-env33-c) */
+    assert_non_null(from);
+    assert_true(fread(text, 1, sizeof text - 1, from) > 0);
+    assert_int_equal(pclose(from), 0);
+    assert_non_null(strstr(text, "lens acme: 30.0000 lpi at 400 mm"));
+    assert_non_null(strstr(text, "400 dpi is not a native resolution of ink"));
     /* what the call has wins */
     assert_string_equal(
         export_end(&c, profile_params("b.tif", "acme", "{\"lpi\": 25, \"dpi\": 300}")), "done");
@@ -172,16 +185,26 @@ static void a_proof_is_a_column_of_what_eyes_see(void **state)
     live_start(&l, l.scene, "--device", l.sim, NULL);
     live_connect(&l, &c);
     live_wait(&c, "coarse");
-    json_t *params = print_params("proof.png", 60, 30, 40, "vertical");
-    json_object_set_new(params, "kind", json_string("proof"));
-    assert_string_equal(export_end(&c, params), "done");
-    lf_assert_ok(lf_image8_read(lf_test_path(l.exports, "proof.png"), NULL, &column, &err), &err);
-    assert_int_equal(column.width, 71); /* lenses on 30 mm */
-    assert_int_equal(column.height, LF_OUTPUT_PROOF_EYES * 95);
-    /* eyes see different images */
-    assert_memory_not_equal(column.data + 47 * column.stride,
-                            column.data + (12 * 95 + 47) * column.stride, 3 * 71);
-    lf_image8_finish(&column);
+    json_t *params;
+    for (int round = 0; round < 2; round++) {
+        const char *name = round == 0 ? "proof.png" : "page.png";
+        params = print_params(name, 60, 30, 40, "vertical");
+        json_object_set_new(params, "kind", json_string("proof"));
+        if (round == 1) { /* one copy of a page that is far larger than a proof may be */
+            json_object_set_new(params, "columns", json_integer(20));
+            json_object_set_new(params, "rows", json_integer(20));
+            json_object_set_new(params, "gutter", json_integer(100));
+            json_object_set_new(params, "label", json_string("copy"));
+        }
+        assert_string_equal(export_end(&c, params), "done");
+        lf_assert_ok(lf_image8_read(lf_test_path(l.exports, name), NULL, &column, &err), &err);
+        assert_int_equal(column.width, 71); /* lenses on 30 mm */
+        assert_int_equal(column.height, LF_OUTPUT_PROOF_EYES * 95);
+        /* eyes see different images */
+        assert_memory_not_equal(column.data + 47 * column.stride,
+                                column.data + (12 * 95 + 47) * column.stride, 3 * 71);
+        lf_image8_finish(&column);
+    }
     params = print_params("large.png", 60, 1000, 1000, "vertical");
     json_object_set_new(params, "kind", json_string("proof"));
     json_object_set_new(params, "dpi", json_integer(600));

@@ -213,6 +213,17 @@ static void a_reading_of_a_chart_is_kept(void **state)
     assert_true(number_of(json_array_get(list, 1), "visual_lpi") == 60.17);
     assert_true(number_of(json_array_get(list, 2), "visual_lpi") == 60.2);
     json_decref(lens);
+    /* of the other lenses: its own; vertical is what says nothing */
+    says(f, "calibrate acme canon-600 visual_lpi=60.3 distance_mm=400 orientation=horizontal", 0,
+         "wrote");
+    says(f, "calibrate acme canon-600 visual_lpi=60.4 distance_mm=400 orientation=vertical", 0,
+         "wrote");
+    lens = loaded(f, ACME);
+    list = json_object_get(lens, "calibrations");
+    assert_int_equal(json_array_size(list), 4);
+    assert_true(number_of(json_array_get(list, 2), "visual_lpi") == 60.4);
+    assert_true(number_of(json_array_get(list, 3), "visual_lpi") == 60.3);
+    json_decref(lens);
     /* another file */
     (void)lf_test_write(f, "result.json", "{\"quiltd_lens\": 1, \"pitch_lpi\": 60}");
     says(f, line, 1, "is not the reading of a chart");
@@ -312,8 +323,18 @@ static void a_print_takes_what_is_not_given_from_profiles(void **state)
     assert_non_null(strstr(got.text, "printer epson-720: 720 dpi"));
     json_t *options = options_of(f);
     assert_true(number_of(options, "lpi") == 60.13 && number_of(options, "dpi") == 720);
-    assert_true(number_of(options, "distance") == 400 && number_of(options, "phase") == 0.05);
+    assert_true(number_of(options, "distance") == 400 && number_of(options, "phase") == 0);
     json_decref(options);
+    assert_non_null(strstr(got.text, "phase +0.05 mm not applied, because epson-720"));
+    /* a printer of the user's with a jig */
+    says(f, "set printer jig dpi=720 registered=true", 0, "wrote");
+    says(f, "set printer jig registered=yes", 2, "/registered");
+    says(f, "calibrate acme jig visual_lpi=60.13 distance_mm=400 phase_mm=0.05", 0, "wrote");
+    assert_int_equal(render(f, "--lens acme --printer jig"), 0);
+    options = options_of(f);
+    assert_true(number_of(options, "phase") == 0.05);
+    json_decref(options);
+    assert_int_equal(render(f, "--lens acme --printer epson-720"), 0);
     json_t *manifest = loaded(f, "out.json"), *profiles = json_object_get(manifest, "profiles");
     assert_int_equal(
         json_string_length(json_object_get(json_object_get(profiles, "lens"), "sha256")), 64);
@@ -341,6 +362,27 @@ static void a_print_takes_what_is_not_given_from_profiles(void **state)
     assert_non_null(strstr(text, "not measured"));
     assert_string_equal(pitch_kind_of(manifest), "visual, computed, not measured");
     free(text);
+    json_decref(manifest);
+}
+
+/* Crosstalk comes from a chart only; the profile's thickness makes the map exact. */
+static void a_measured_crosstalk_is_compensated(void **state)
+{
+    const char *f = *state;
+    char line[PATH_MAX];
+    says(f, "set lens acme pitch_lpi=60.2 thickness_mm=0.6 index=1.56", 0, "wrote");
+    snprintf(line, sizeof line, "calibrate acme epson-720 %s",
+             lf_test_write(f, "result.json", READING("60.13", "400")));
+    says(f, line, 0, "wrote");
+    if (render(f, "--lens acme --printer epson-720 --compensate on --views 9") != 0)
+        fail_msg("%s", got.text);
+    assert_non_null(strstr(got.text, "compensated: ghosts of"));
+    json_t *manifest = loaded(f, "out.json"), *crosstalk = json_object_get(manifest, "crosstalk");
+    assert_int_equal(json_integer_value(json_object_get(crosstalk, "views")), 8);
+    assert_true(json_number_value(json_array_get(json_object_get(crosstalk, "shares"), 1)) == 0.8);
+    assert_string_equal(
+        json_string_value(json_object_get(json_object_get(manifest, "lens"), "map")), "exact");
+    assert_non_null(json_object_get(manifest, "compensation"));
     json_decref(manifest);
 }
 
@@ -394,6 +436,7 @@ int main(void)
         in_folder(folders_of_others_are_not_written_to),
         in_folder(a_bad_profile_is_told_and_the_rest_listed),
         in_folder(a_print_takes_what_is_not_given_from_profiles),
+        in_folder(a_measured_crosstalk_is_compensated),
         in_folder(every_kind_of_print_takes_profiles),
         in_folder(what_cannot_be_printed_with_profiles_is_told),
     };

@@ -11,6 +11,8 @@ static const struct {
     {"", "SCENE: is missing"},
     {"%S", "-o: is missing"},
     {"%S other.json -o %D/x.png", "other.json: unexpected argument; give only one SCENE"},
+    {"%S other.json -o %D/x.tif --print 60@300 --print-size 20x20 --copies 1x2",
+     "other.json: unexpected argument; --copies repeats one SCENE"},
     {"%S -o %D/x.webp", "/x.webp: must end in .png, .exr, .jpg or .jpeg for an image; "
                         "quiltrender(1) has other outputs under OUT"},
     {"%S -o %D/x", "must end in .png, .exr, .jpg or .jpeg for an image; quiltrender(1)"},

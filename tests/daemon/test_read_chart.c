@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <jansson.h>
 #include <math.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include "tests/quilt/photographed.h"
@@ -112,6 +113,7 @@ static void a_photo_becomes_a_calibration(void **state)
         json_string_value(json_object_get(json, "chart_sha256")),
         json_string_value(json_object_get(json_object_get(chart, "file"), "sha256")));
     assert_int_equal(json_array_size(json_object_get(json, "warnings")), 0);
+    assert_string_equal(json_string_value(json_object_get(json, "orientation")), "vertical");
     json_decref(json);
     json_decref(chart);
     setenv("XDG_CONFIG_HOME", f, 1);
@@ -125,6 +127,106 @@ static void a_photo_becomes_a_calibration(void **state)
     unsetenv("XDG_CONFIG_HOME");
 }
 
+/* Views of one grey each, as files. */
+static void write_views(const char *folder, int n)
+{
+    const lf_shot shot = {.width = 96, .height = 96};
+    static uint8_t pixels[96 * 96 * 3];
+    assert_int_equal(mkdir(lf_test_path(folder, "views"), 0700), 0);
+    for (int view = 0; view < n; view++) {
+        char name[32];
+        const double light = 0.1 + 0.8 * view / (n - 1);
+        memset(pixels, (int)lround(255.0 * (1.055 * pow(light, 1.0 / 2.4) - 0.055)), sizeof pixels);
+        snprintf(name, sizeof name, "views/%d.jpg", view);
+        lf_photo_write(lf_test_path(folder, name), pixels, &shot, 0);
+    }
+}
+
+enum { N_VIEWS = 4, N_ZONES = 5 };
+
+/* What an eye sees of a print under the sheet of a shot: the mean view of the middle, and of the
+ * parts above, below, left and right of it. */
+static void look_at(const char *path, const lf_shot *sheet, double eye_right, double out[N_ZONES])
+{
+    static const int at[N_ZONES][2] = {{0, 0}, {0, -36}, {0, 36}, {-36, 0}, {36, 0}};
+    lf_shot shot = *sheet;
+    lf_printed printed = {0};
+    lf_paper paper;
+    lf_printed_read(path, &printed);
+    lf_paper_make(&printed, 25.4 / 300.0, 25.4 / 300.0, 0.1, &paper);
+    shot.distance_mm = hypot(400.0, eye_right);
+    shot.tilt_deg = atan2(eye_right, 400.0) * 180.0 / M_PI;
+    shot.direction_deg = 0.0;
+    shot.focal_35mm = 60.0;
+    shot.width = shot.height = 480;
+    shot.gain = 1.0;
+    shot.blur_px = shot.noise = 0.0;
+    uint8_t *photo = lf_photograph(&paper, &shot);
+    const double px_per_mm = 60.0 / 43.2666 * hypot(480.0, 480.0) / shot.distance_mm;
+    for (int zone = 0; zone < N_ZONES; zone++) {
+        double sum = 0.0;
+        const int half = 16, x = 240 + (int)(at[zone][0] * px_per_mm),
+                  y = 240 + (int)(at[zone][1] * px_per_mm);
+        for (int j = y - half; j < y + half; j++)
+            for (int i = x - half; i < x + half; i++)
+                sum += lf_srgb_to_linear(photo[3 * (480 * j + i)] / 255.0);
+        const double light = (sum / (4.0 * half * half) - 0.03) / 0.87;
+        out[zone] = (light - 0.1) / 0.8 * (N_VIEWS - 1);
+    }
+    free(photo);
+    lf_paper_finish(&paper);
+    lf_printed_finish(&printed);
+}
+
+static void print_with(const char *folder, double phase_mm, double slant)
+{
+    char line[512];
+    snprintf(line, sizeof line,
+             "views -o sheet.tif --lens acme --printer studio --print-size 100x100 --views %d "
+             "--phase %.5f --slant %.5f --check off",
+             N_VIEWS, phase_mm, slant);
+    says(folder, line, 0, "wrote sheet.tif");
+}
+
+/* From chart to print: under the sheet that lay on the chart, the middle of the views is in front,
+ * everywhere. A wrong sign of phase or skew is not. */
+static void the_print_is_centred_under_the_sheet_of_the_photo(void **state)
+{
+    const char *f = *state;
+    const lf_shot shot = take_photo(f);
+    const double middle = 0.5 * (N_VIEWS - 1);
+    double seen[N_ZONES];
+    write_views(f, N_VIEWS);
+    setenv("XDG_CONFIG_HOME", f, 1);
+    assert_int_equal(
+        run(f, "quiltprint", "set lens acme pitch_lpi=60.2 thickness_mm=0.6 index=1.56"), 0);
+    assert_int_equal(run(f, "quiltprint", "set printer studio dpi=300"), 0);
+    says(f, "--chart 60+-0.5/0.1@300 --print-size 120x170 -o chart.tif", 0, "wrote chart.tif");
+    says(f, "--read-chart photo.jpg --lens acme --printer studio --distance 400 -o r.json", 0,
+         "next   quiltprint calibrate acme studio r.json");
+    assert_int_equal(run(f, "quiltprint", "calibrate acme studio r.json"), 0);
+    json_t *json = json_load_file(lf_test_path(f, "r.json"), 0, NULL);
+    assert_non_null(json);
+    const double phase = number_of(json, "phase_mm"), skew = number_of(json, "skew_deg");
+    json_decref(json);
+    print_with(f, phase, skew);
+    look_at(lf_test_path(f, "sheet.tif"), &shot, 0.0, seen);
+    for (int zone = 0; zone < N_ZONES; zone++)
+        lf_assert_close(seen[zone], middle, 0.0, 0.15);
+    look_at(lf_test_path(f, "sheet.tif"), &shot, 60.0, seen);
+    /* a view is n D p / (t N) wide */
+    lf_assert_close(seen[0], middle + 60.0 / (1.56 * 400.0 * 25.4 / 60.2 / (0.6 * N_VIEWS)), 0.0,
+                    0.15);
+    print_with(f, -phase, skew);
+    look_at(lf_test_path(f, "sheet.tif"), &shot, 0.0, seen);
+    assert_true(fabs(seen[0] - middle) > 0.5);
+    print_with(f, phase, -skew);
+    look_at(lf_test_path(f, "sheet.tif"), &shot, 0.0, seen);
+    lf_assert_close(seen[0], middle, 0.0, 0.15);
+    assert_true(fabs(seen[1] - middle) > 0.5 || fabs(seen[2] - middle) > 0.5);
+    unsetenv("XDG_CONFIG_HOME");
+}
+
 static void mistakes_are_told(void **state)
 {
     static const char *const lines[][2] = {
@@ -135,6 +237,7 @@ static void mistakes_are_told(void **state)
         {"--read-chart photo.jpg --chart-file scene.json", "is not the manifest of a chart"},
         {"--read-chart photo.jpg --chart-file damaged.json", "expected a number from 50 to 9600"},
         {"--read-chart photo.jpg --chart-file sound.json -o out.tif", "must end in .json"},
+        {"--read-chart photo.jpg --chart-file sound.json -o sound.json", "choose another name"},
         {"scene.json --read-chart photo.jpg", "cannot be combined with a scene"},
         {"--read-chart photo.jpg --print 60@600", "cannot be combined with --print"},
         {"--read-chart photo.jpg --preset portrait", "cannot be combined with --preset"},
@@ -191,6 +294,7 @@ int main(void)
     cmocka_unit_test_setup_teardown(test, lf_test_folder_setup, lf_test_folder_teardown)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(a_photo_becomes_a_calibration),
+        IN_FOLDER(the_print_is_centred_under_the_sheet_of_the_photo),
         IN_FOLDER(mistakes_are_told),
         IN_FOLDER(the_focal_length_of_a_photo_is_used),
     };

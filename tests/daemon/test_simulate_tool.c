@@ -117,6 +117,120 @@ static void bleed_and_marks_are_shown_when_asked_for(void **state)
     lf_image8_finish(&image);
 }
 
+/* Paper beyond the trim edge is cut off before anyone looks. */
+static void no_margin_is_seen_at_the_edges(void **state)
+{
+    const qr_files *f = *state;
+    static const char *const eyes[] = {"-90,0,400", "-90,150,400", "-110,-150,400"};
+    qr_succeed("%s/flip/ -o %s/edge.tif --print 60.13@600 --print-size 30x20 --views 2 --marks",
+               f->folder, f->folder);
+    for (int i = 0; i < 6; i++) {
+        lf_image8 image;
+        lf_error err;
+        qr_succeed("%s/edge.tif --simulate -o %s/seen.png --eye %s%s", f->folder, f->folder,
+                   eyes[i / 2], i % 2 ? " --width 300" : "");
+        lf_assert_ok(lf_image8_read(lf_test_path(f->folder, "seen.png"), NULL, &image, &err), &err);
+        for (int x = 0; x < image.width; x++)
+            assert_mostly(&image, x, 0);
+        lf_image8_finish(&image);
+    }
+}
+
+/* Of a page, an eye in front of the first copy sees this one. */
+static void the_first_copy_of_a_page_is_shown(void **state)
+{
+    const qr_files *f = *state;
+    static const char sheet[] = "--thickness 0.6 --distance 400";
+    qr_outcome o;
+    for (int round = 0; round < 3; round++) {
+        static const char *const kinds[] = {"--label copy", "--mirror", "--orientation horizontal"};
+        qr_succeed("%s/flip/ -o %s/page.tif --print 60.13@600 --print-size 30x20 --views 2 "
+                   "--copies 2x3 --gutter 5 --marks --map uniform %s %s",
+                   f->folder, f->folder, sheet, kinds[round]);
+        for (int side = 0; side < 2; side++) {
+            lf_image8 image;
+            lf_error err;
+            const int at = side ? 90 : -90;
+            qr_run(&o, "%s/page.tif --simulate -o %s/seen.png --eye %d,%d,400", f->folder,
+                   f->folder, round < 2 ? at : 0, round < 2 ? 0 : at);
+            assert_int_equal(o.code, 0);
+            assert_non_null(strstr(o.err, "a page of 2x3 copies; the first one is shown"));
+            lf_assert_ok(lf_image8_read(lf_test_path(f->folder, "seen.png"), NULL, &image, &err),
+                         &err);
+            for (int x = 0; x < image.width; x++)
+                assert_mostly(&image, x, side ? 2 : 0);
+            lf_image8_finish(&image);
+        }
+    }
+    assert_int_equal(unlink(lf_test_path(f->folder, "page.json")), 0);
+    qr_run(&o, "%s/page.tif --simulate -o %s/seen.png --print 60.13@600 --copies 2x3", f->folder,
+           f->folder);
+    qr_assert_fails(&o, 2, "where its copies are");
+}
+
+/* ---------------------------------------------------------------------------------- profiles -- */
+
+/* The sheet's profile alone is enough: the file knows its raster, and its manifest the printer. */
+static void a_lens_is_enough(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    setenv("XDG_CONFIG_HOME", f->folder, 1);
+    assert_int_equal(mkdir(lf_test_path(f->folder, "quiltd"), 0700), 0);
+    assert_int_equal(mkdir(lf_test_path(f->folder, "quiltd/lenses"), 0700), 0);
+    assert_int_equal(mkdir(lf_test_path(f->folder, "quiltd/printers"), 0700), 0);
+    lf_test_write(
+        f->folder, "quiltd/lenses/own.json",
+        "{\"quiltd_lens\": 1, \"pitch_lpi\": 60.2, \"thickness_mm\": 0.6, "
+        "\"calibrations\": [{\"printer\": \"here\", \"visual_lpi\": 60.13, "
+        "\"distance_mm\": 400, \"crosstalk_views\": 6, \"crosstalk\": [0.2, 0.6, 0.2]}]}");
+    lf_test_write(f->folder, "quiltd/printers/here.json",
+                  "{\"quiltd_printer\": 1, \"dpi\": 720, \"dot_gain\": 0.1}");
+    /* no profile was used for the print */
+    qr_run(&o, "%s/flip.tif --simulate -o %s/seen.png --lens own", f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "the pitch is not measured"));
+    /* with profiles; the raster is the file's */
+    qr_succeed("%s -o %s/known.tif --lens own --printer here --print-size 30x20 --views 6 "
+               "--print 60.13@600",
+               f->quilt, f->folder);
+    qr_run(&o, "%s/known.tif --simulate -o %s/seen.png --lens own", f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "60.1300 lpi at 400 mm, measured with here"));
+    assert_non_null(strstr(o.err, "printer here: 600 dpi as given"));
+    const char *own = strstr(o.err, "an eye gets ");
+    assert_non_null(own);
+    assert_in_range(atoi(own + strlen("an eye gets ")), 58, 61); /* the crosstalk's 0.6 */
+    /* nothing is left of the sheet that a print was made for */
+    lf_test_write(f->folder, "quiltd/lenses/bare.json",
+                  "{\"quiltd_lens\": 1, \"pitch_lpi\": 60.2}");
+    qr_succeed("%s -o %s/thick.tif --print 60.13@600 --print-size 30x20 --views 6 --thickness 0.6 "
+               "--distance 400",
+               f->quilt, f->folder);
+    qr_run(&o, "%s/thick.tif --simulate -o %s/seen.png --lens bare", f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "the sheet's thickness is not known"));
+    /* a manifest may be anyone's: it names no files */
+    json_error_t where;
+    const char *path = lf_test_path(f->folder, "known.json");
+    json_t *manifest = json_load_file(path, 0, &where), *own_printer;
+    assert_non_null(manifest);
+    own_printer = json_object_get(json_object_get(manifest, "profiles"), "printer");
+    json_object_set_new(own_printer, "profile",
+                        json_string(lf_test_path(f->folder, "quiltd/printers/here.json")));
+    assert_int_equal(json_dump_file(manifest, lf_test_path(f->folder, "known.json"), 0), 0);
+    json_decref(manifest);
+    qr_run(&o, "%s/known.tif --simulate -o %s/seen.png --lens own", f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "the pitch is not measured"));
+    unsetenv("XDG_CONFIG_HOME");
+    /* the printer's profile is not here */
+    qr_run(&o, "%s/known.tif --simulate -o %s/seen.png --lens %s/quiltd/lenses/own.json", f->folder,
+           f->folder, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "the pitch is not measured"));
+}
+
 static void numbers_are_written_as_json(void **state)
 {
     const qr_files *f = *state;
@@ -127,7 +241,7 @@ static void numbers_are_written_as_json(void **state)
     assert_non_null(report);
     const json_t *views = json_object_get(report, "views");
     lf_assert_close(json_real_value(json_object_get(views, "range_mm")),
-                    25.4 / 60.13 * 1.56 * 400 / 0.6, 1e-4, 0);
+                    2 * 400 * tan(asin(1.56 * sin(atan(25.4 / 60.13 / 2 / 0.6)))), 1e-4, 0);
     assert_int_equal(json_integer_value(json_object_get(views, "count")), 2);
     assert_true(json_is_null(json_object_get(report, "parallax"))); /* nothing to match: a flip */
     assert_int_equal(json_array_size(json_object_get(report, "assumed")), 0);
@@ -146,6 +260,10 @@ static void mistakes_are_one_line(void **state)
     qr_assert_fails(&o, 2, "must end in");
     qr_run(&o, "%s --simulate -o %s/x.png", f->scene, f->folder);
     qr_assert_fails(&o, 1, "not a TIFF");
+    qr_run(&o, "%s/flip.pdf --simulate -o %s/x.png", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "is a PDF; --simulate reads TIFF");
+    qr_run(&o, "%s/flip --simulate -o %s/x.png", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "is a folder; --simulate takes one interlaced print");
     qr_run(&o, "%s/flip.tif -o %s/x.png --mark", f->folder, f->folder);
     qr_assert_fails(&o, 2, "--mark: needs --simulate");
     qr_run(&o, "%s/flip.tif --simulate --stereo -o %s/x.gif", f->folder, f->folder);
@@ -157,6 +275,47 @@ static void mistakes_are_one_line(void **state)
         assert_non_null(strstr(o.err, "--eye: "));
     }
     assert_false(qr_exists(f->folder, "x.png"));
+}
+
+/* A proof never replaces the print or its manifest. */
+static void the_print_and_its_manifest_stay(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "%s/flip.tif --simulate -o %s/flip.json", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "is the manifest of a print");
+    qr_succeed("%s/flip.tif --simulate -o %s/seen.png", f->folder, f->folder);
+    assert_int_equal(symlink("flip.tif", lf_test_path(f->folder, "link.png")), 0);
+    qr_run(&o, "%s/flip.tif --simulate -o %s/link.png", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "-o: is the print itself");
+    /* other numbers are replaced */
+    for (int i = 0; i < 2; i++)
+        qr_succeed("%s/flip.tif --simulate -o %s/numbers.json", f->folder, f->folder);
+}
+
+static void options_without_a_use_are_refused(void **state)
+{
+    const qr_files *f = *state;
+    static const char *const useless[] = {
+        "--label x", "--relief",   "--frame-set 100", "--guard 1",       "--morph 2",
+        "--marks",   "--bits 16",  "--icc x",         "--compensate on", "--headroom .1",
+        "--bleed 2", "--gutter 5", "--paper 210x297"};
+    static const char *const wrong[][2] = {
+        {"x.gif --mark", "--mark: is for images"},
+        {"x.json --mark", "--mark: is for images"},
+        {"x.png --mark --stereo=anaglyph", "--mark: is red and blue"},
+        {"x.png --eye-distance 60", "--eye-distance: needs --stereo"}};
+    qr_outcome o;
+    for (size_t i = 0; i < sizeof useless / sizeof *useless; i++) {
+        qr_run(&o, "%s/flip.tif --simulate -o %s/x.png %s", f->folder, f->folder, useless[i]);
+        qr_assert_fails(&o, 2, "does nothing with --simulate");
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        qr_run(&o, "%s/flip.tif --simulate -o %s/%s", f->folder, f->folder, wrong[i][0]);
+        qr_assert_fails(&o, 2, wrong[i][1]);
+    }
+    qr_succeed("%s/flip.tif --simulate -o %s/seen.png --map exact --stripes nearest --spot .02",
+               f->folder, f->folder);
 }
 
 static void a_print_that_was_resized_is_refused(void **state)
@@ -189,8 +348,13 @@ int main(void)
         cmocka_unit_test(another_sheet_shows_bands),
         cmocka_unit_test(both_eyes_are_seen),
         cmocka_unit_test(bleed_and_marks_are_shown_when_asked_for),
+        cmocka_unit_test(no_margin_is_seen_at_the_edges),
+        cmocka_unit_test(the_first_copy_of_a_page_is_shown),
+        cmocka_unit_test(a_lens_is_enough),
         cmocka_unit_test(numbers_are_written_as_json),
         cmocka_unit_test(mistakes_are_one_line),
+        cmocka_unit_test(the_print_and_its_manifest_stay),
+        cmocka_unit_test(options_without_a_use_are_refused),
         cmocka_unit_test(a_print_that_was_resized_is_refused),
     };
     return cmocka_run_group_tests_name("quiltrender --simulate", tests, set_up, qr_tear_down);

@@ -292,12 +292,12 @@ describe("the other tabs", () => {
     for (const [key, value] of [["lpi", "60"], ["width", "20"], ["height", "30"]])
       await at(`#export-${key}`).fill(value);
     await at("#export-start").click();
-    const seen = at("#jobs .proof .seen").first();
-    await until(async () => (await seen.count()) && /proof/.test(await seen.getAttribute("style") ?? ""));
-    const box = await seen.boundingBox();
+    const seen = at("#jobs .proof img").first();
+    await until(async () => (await seen.count()) && /translate/.test(await seen.getAttribute("style") ?? ""));
+    const box = await at("#jobs .proof .seen").first().boundingBox();
     assert.ok(Math.abs(box.width / box.height - 20 / 30) < 0.05);
     const words = () => at("#jobs .proof output").first().textContent();
-    const place = () => seen.evaluate((element) => element.style.backgroundPosition);
+    const place = () => seen.evaluate((element) => element.style.translate);
     assert.equal(await words(), "in the middle");
     const middle = await place();
     await at("#jobs .proof input").first().fill("24");

@@ -38,15 +38,16 @@ float lf_card_grey(const void *context, int view, int row, int column, int c)
     return 0.4F;
 }
 
-void lf_checked_make(const lf_print *print, lf_card_value *value, bool chart, lf_checked *out)
+static void make(const lf_print *print, lf_card_value *value, bool chart, lf_print_format format,
+                 lf_checked *out)
 {
     memset(out, 0, sizeof *out);
     out->folder = lf_test_folder();
-    out->tiff = lf_test_path(out->folder, "sheet.tif");
+    out->tiff = lf_test_path(out->folder, format == LF_PRINT_PDF ? "sheet.pdf" : "sheet.tif");
     out->manifest = lf_test_path(out->folder, "sheet.json");
     out->print = *print;
     out->witness.n_rows = 16;
-    const lf_print_run run = {.witness = &out->witness};
+    const lf_print_run run = {.format = format, .witness = &out->witness};
     lf_outfile files[2];
     lf_views32 views = {0};
     lf_error err;
@@ -61,6 +62,16 @@ void lf_checked_make(const lf_print *print, lf_card_value *value, bool chart, lf
     }
     for (int i = 0; i < 2; i++)
         lf_assert_ok(lf_outfile_commit(&files[i], true, &err), &err);
+}
+
+void lf_checked_make(const lf_print *print, lf_card_value *value, bool chart, lf_checked *out)
+{
+    make(print, value, chart, LF_PRINT_TIFF, out);
+}
+
+void lf_checked_make_pdf(const lf_print *print, lf_card_value *value, bool chart, lf_checked *out)
+{
+    make(print, value, chart, LF_PRINT_PDF, out);
 }
 
 void lf_checked_run(lf_checked *checked, bool with_witness)

@@ -26,6 +26,8 @@ float lf_card_grey(const void *context, int view, int row, int column, int c);
 
 /* Writes sheet.tif and sheet.json. chart: a pitch chart; value is not read. */
 void lf_checked_make(const lf_print *print, lf_card_value *value, bool chart, lf_checked *out);
+/* The same as sheet.pdf, whose path is out->tiff. */
+void lf_checked_make_pdf(const lf_print *print, lf_card_value *value, bool chart, lf_checked *out);
 /* Checks the file as it is now; with the witness of its writing, or without. */
 void lf_checked_run(lf_checked *checked, bool with_witness);
 /* Sets the manifest's SHA-256 and number of bytes to those of the file as it is now. */

@@ -62,25 +62,30 @@ static double paper_at(const lf_paper *paper, double x, double y)
 
 /* ------------------------------------------------------------------------------------- sheet -- */
 
+/* Unit vector across the lenses. */
+static void lenses_of(const lf_shot *shot, double out[2])
+{
+    const double lean =
+        shot->skew_deg * M_PI / 180.0 + (shot->sheets == LF_TURNED_SHEET ? 0.5 * M_PI : 0.0);
+    out[0] = cos(lean), out[1] = sin(lean);
+}
+
 /* Light that leaves the sheet at (x, y) towards an eye above (ex, ey). */
-static double sheet_light(const lf_paper *paper, const lf_shot *shot, const double eye[3], double x,
-                          double y)
+static double sheet_light(const lf_paper *paper, const lf_shot *shot, const double lenses[2],
+                          const double eye[3], double x, double y)
 {
     if (shot->sheets == LF_NO_SHEET)
         return paper_at(paper, x, y);
     const bool other = shot->sheets == LF_TWO_SHEETS && x > 0.0;
     const double pitch = 25.4 / (shot->lpi * (other ? 1.004 : 1.0)),
                  first = shot->phase_mm + (other ? 0.37 * pitch : 0.0);
-    const double lean =
-        shot->skew_deg * M_PI / 180.0 + (shot->sheets == LF_TURNED_SHEET ? 0.5 * M_PI : 0.0);
-    const double nx = cos(lean), ny = sin(lean), across = x * nx + y * ny;
+    const double across = x * lenses[0] + y * lenses[1];
     const double off = first + pitch * round((across - first) / pitch) - across;
-    const double px = x + off * nx, py = y + off * ny;
-    const double dx = px - eye[0], dy = py - eye[1], r = hypot(dx, dy);
-    if (r < 1e-9)
-        return paper_at(paper, px, py);
-    const double inside = asin(sin(atan2(r, eye[2])) / shot->index);
-    const double move = shot->thickness_mm * tan(inside) / r;
+    const double px = x + off * lenses[0], py = y + off * lenses[1];
+    const double dx = px - eye[0], dy = py - eye[1], square = dx * dx + dy * dy;
+    /* sine of the ray's angle in the sheet, over the distance aside */
+    const double sine = 1.0 / (sqrt(square + eye[2] * eye[2]) * shot->index);
+    const double move = shot->thickness_mm * sine / sqrt(1.0 - sine * sine * square);
     return paper_at(paper, px + move * dx, py + move * dy);
 }
 
@@ -137,6 +142,8 @@ static void expose(const lf_paper *paper, const lf_shot *shot, float *out)
     const view v = view_of(shot);
     const double eye[3] = {v.eye[0], v.eye[1], -v.eye[2]};
     const double focal = shot->focal_35mm / 43.2666 * hypot(shot->width, shot->height);
+    double lenses[2];
+    lenses_of(shot, lenses);
     for (int j = 0; j < shot->height; j++)
         for (int i = 0; i < shot->width; i++) {
             const double a = (i + 0.5 - 0.5 * shot->width) / focal,
@@ -149,7 +156,7 @@ static void expose(const lf_paper *paper, const lf_shot *shot, float *out)
                 ray[k] = straight * (a * v.right[k] + b * v.down[k]) + v.forward[k];
             const double far = eye[2] / ray[2];
             const double even =
-                sheet_light(paper, shot, eye, eye[0] + far * ray[0], eye[1] + far * ray[1]);
+                sheet_light(paper, shot, lenses, eye, eye[0] + far * ray[0], eye[1] + far * ray[1]);
             const double across = (double)i / shot->width - 0.5,
                          along = (double)j / shot->height - 0.5;
             out[(size_t)j * (size_t)shot->width + (size_t)i] =

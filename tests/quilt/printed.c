@@ -14,7 +14,7 @@ static void read_bytes(const char *path, lf_printed *out)
     out->file = (uint8_t *)data;
 }
 
-static void read_raster(const char *path, lf_printed *out)
+void lf_printed_read(const char *path, lf_printed *out)
 {
     TIFF *tiff = TIFFOpen(path, "r");
     uint32_t width = 0, height = 0;
@@ -64,7 +64,7 @@ static void make(const lf_print *print, const lf_views32 *views, int rows_per_st
     out->manifest = json_load_file(manifest_path, JSON_REJECT_DUPLICATES, &json_error);
     assert_non_null(out->manifest);
     read_bytes(path, out);
-    read_raster(path, out);
+    lf_printed_read(path, out);
     lf_test_folder_remove(folder);
 }
 

@@ -20,6 +20,8 @@ void lf_printed_make(const lf_print *print, const lf_views32 *views, int rows_pe
                      lf_printed *out);
 /* The same with lf_chart_write. */
 void lf_printed_chart(const lf_print *print, lf_printed *out);
+/* The raster of any TIFF; the other members stay as they are. */
+void lf_printed_read(const char *path, lf_printed *out);
 void lf_printed_finish(lf_printed *printed);
 
 /* A value as it is stored. */

@@ -146,6 +146,58 @@ static void a_micro_sheet_is_not_called_wrong(void **state)
     lf_checked_finish(&checked);
 }
 
+/* Compensated prints, also those whose blur comes from a chart alone: their strip is made with the
+ * kernel of the manifest. */
+static void a_compensated_print_is_not_called_wrong(void **state)
+{
+    (void)state;
+    static const lf_print_blur charted = {.n_crosstalk = 2,
+                                          .crosstalk = {0.02, 0.16, 0.66, 0.14, 0.02},
+                                          .crosstalk_views = 8},
+                               known = {.spot_mm = 0.026, .ink_mm = 0.015, .dot_gain = 0.15},
+                               gain = {.dot_gain = 0.2};
+    static const struct {
+        const lf_print_blur *blur;
+        int n_views;
+        bool horizontal, exact;
+    } of[] = {{&charted, 8, false, false}, {&charted, 10, false, true}, {&charted, 5, true, true},
+              {&known, 2, false, false},   {&known, 8, true, false},    {&gain, 6, false, false}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        lf_print print = small_print();
+        print.marks = false;
+        print.blur = *of[i].blur;
+        print.n_views = of[i].n_views;
+        print.compensation.on = true;
+        print.compensation.headroom = i % 2 ? 0.1 : 0.0;
+        if (of[i].horizontal) {
+            print.horizontal = true;
+            print.width_mm = 3;
+            print.height_mm = 30;
+        }
+        if (of[i].exact)
+            print.optics = (lf_optics){.thickness_mm = 1.0, .distance_mm = 300.0};
+        lf_checked checked = checked_of(&print);
+        for (int with = 0; with < 2; with++) {
+            char line[2048];
+            lf_checked_run(&checked, with);
+            if (lf_print_report_count(&checked.report, LF_CHECK_FAIL) > 0)
+                fail_msg("print %zu: %s", i,
+                         lf_print_report_line(&checked.report, line, sizeof line));
+            assert_int_equal(lf_checked_point(&checked, 10), with ? LF_CHECK_PASS : LF_CHECK_NONE);
+            assert_int_equal(lf_checked_point(&checked, 11), with ? LF_CHECK_PASS : LF_CHECK_NONE);
+        }
+        if (of[i].blur == &charted) { /* the file does not say its blur any more */
+            json_t *manifest = json_load_file(checked.manifest, 0, NULL);
+            assert_int_equal(json_object_del(manifest, "crosstalk"), 0);
+            assert_int_equal(json_dump_file(manifest, checked.manifest, 0), 0);
+            json_decref(manifest);
+            lf_checked_run(&checked, true);
+            assert_int_equal(lf_checked_point(&checked, 16), LF_CHECK_FAIL);
+        }
+        lf_checked_finish(&checked);
+    }
+}
+
 static void the_power_of_the_measurement_is_stated(void **state)
 {
     (void)state;
@@ -333,6 +385,7 @@ int main(void)
         cmocka_unit_test(every_failure_has_a_short_remedy),
         cmocka_unit_test(a_chart_is_checked_too),
         cmocka_unit_test(a_micro_sheet_is_not_called_wrong),
+        cmocka_unit_test(a_compensated_print_is_not_called_wrong),
         cmocka_unit_test(the_power_of_the_measurement_is_stated),
         cmocka_unit_test(the_job_sheet_has_what_the_operator_needs),
         cmocka_unit_test(a_job_sheet_needs_no_readable_file),

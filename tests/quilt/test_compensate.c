@@ -11,7 +11,7 @@
 #define THICKNESS_MM 0.6
 #define INDEX 1.56
 #define SPOT_MM 0.02
-#define MOST_VIEWS 12
+#define MOST_VIEWS 16
 /* Parts of a pixel in which ink is spread. */
 #define FINE 8
 
@@ -282,6 +282,39 @@ static void a_measured_crosstalk_is_taken_back(void **state)
         }
         const crosstalk mirrored = crosstalk_of(&print, &sheet, 0.45, 0.55);
         assert_true(mirrored.ghost > off.ghost);
+    }
+}
+
+/* The crosstalk of a chart, which has 8 views, serves prints with more views and with fewer: a
+ * sharp sheet stays sharp. */
+static void a_chart_serves_prints_of_any_views(void **state)
+{
+    (void)state;
+    static const struct {
+        double dpi, spot_mm, ink_mm;
+        int n_views;
+        double ghost; /* left, at most */
+    } of[] = {{1200.0, SPOT_MM, 0.0, 16, 0.03},
+              {600.0, SPOT_MM, 0.0, 10, 0.02},
+              {600.0, SPOT_MM, 0.012, 6, 0.02},
+              {1200.0, SPOT_MM, 0.006, 12, 0.03}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        const reality sheet = {.ink_mm = of[i].ink_mm, .spot_mm = of[i].spot_mm};
+        lf_print chart = sheet_print(60.1418, 8, 0.0, 0.0);
+        chart.dpi = of[i].dpi;
+        lf_print print = chart;
+        print.n_views = of[i].n_views;
+        const crosstalk of_chart = crosstalk_of(&chart, &sheet, 0.45, 0.55);
+        measure(&of_chart, 8, &print.blur);
+        print.blur.crosstalk_views = 8;
+        const crosstalk off = crosstalk_of(&print, &sheet, 0.45, 0.55);
+        print.compensation.on = true;
+        const crosstalk on = crosstalk_of(&print, &sheet, 0.45, 0.55);
+        print_message("chart for %d views: own share %.3f -> %.3f, ghost %.3f -> %.3f\n",
+                      print.n_views, off.own, on.own, off.ghost, on.ghost);
+        assert_true(1.0 - on.own < 0.3 * (1.0 - off.own));
+        assert_true(on.ghost <= of[i].ghost);
+        assert_no_new_ghost(&off, &on, print.n_views, 0.0);
     }
 }
 
@@ -628,6 +661,7 @@ static void mistakes_are_refused(void **state)
     lf_assert_ok(lf_print_check(&p, NULL, &err), &err);
     p = sound, p.sheet.columns = 2, p.sheet.rows = 1, assert_refused(&p, "one print");
     p = sound, p.frame_ppi = 300, assert_refused(&p, "frame set");
+    p = sound, p.optics.slant = 5.0, assert_refused(&p, "straight linear lenses");
     /* off: nothing of it is asked */
     p = sound, p.compensation.on = false, p.blur.n_crosstalk = 9;
     lf_assert_ok(lf_print_check(&p, NULL, &err), &err);
@@ -640,6 +674,7 @@ int main(void)
         cmocka_unit_test(black_and_white_need_headroom),
         cmocka_unit_test(a_wrong_blur_makes_ghosts),
         cmocka_unit_test(a_measured_crosstalk_is_taken_back),
+        cmocka_unit_test(a_chart_serves_prints_of_any_views),
         cmocka_unit_test(pictures_have_fewer_ghosts),
         cmocka_unit_test(no_print_is_worse),
         cmocka_unit_test(dot_gain_is_undone),

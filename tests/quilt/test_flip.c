@@ -184,6 +184,23 @@ static void a_lens_gets_as_many_stripes_as_give_all_frames_the_same(void **state
     assert_int_equal(lf_print_choose_views(&print, 3, "test", NULL, &err), LF_E_ARG);
 }
 
+/* More images than stripes: which are shown. As many: nothing to tell. */
+static void images_that_are_shown_are_told(void **state)
+{
+    (void)state;
+    char text[128];
+    lf_print print = flip_print(7, 0, LF_GUARD_REPEAT, 0);
+    expect_stripes(&print, 24, "1 5 8 12 15 18 22");
+    expect_stripes(&print, 7, "");
+    expect_stripes(&print, 2, "");
+    assert_string_equal(lf_print_layout_text(&print, 24, text, sizeof text),
+                        "images under a lens: 1 5 8 12 15 18 22 (7 of 24)");
+    assert_string_equal(lf_print_layout_text(&print, 7, text, sizeof text), "");
+    print = flip_print(6, 1, LF_GUARD_WHITE, 0);
+    assert_string_equal(lf_print_layout_text(&print, 2, text, sizeof text),
+                        "images under a lens: 0 0 - 1 1 -");
+}
+
 static void notes_tell_of_frames_that_are_lost_uneven_or_seen_by_one_eye(void **state)
 {
     (void)state;
@@ -207,6 +224,7 @@ static void notes_tell_of_frames_that_are_lost_uneven_or_seen_by_one_eye(void **
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(images_that_are_shown_are_told),
         cmocka_unit_test(guards_are_between_all_frames_also_of_two_lenses),
         cmocka_unit_test(blends_are_in_equal_steps_and_evenly_chosen),
         cmocka_unit_test(blends_are_of_linear_light_in_closed_form),

@@ -107,7 +107,14 @@ static void frames_are_the_views_pixel_for_pixel(void **state)
         lf_print print = frames_of(way > 0);
         lf_print_shape shape;
         print.rolled = way == 2;
+        print.blur = (lf_print_blur){.spot_mm = 0.02, .ink_mm = 0.02, .dot_gain = 0.2};
+        print.blur.n_crosstalk = 1; /* a frame has no stripes that could be compensated */
         const lf_print frame = lf_frame_set_print(&print);
+        assert_true(frame.blur.n_crosstalk == 0 && frame.blur.dot_gain == 0.0);
+        assert_true(frame.blur.spot_mm == 0.0 && frame.blur.ink_mm == 0.0);
+        lf_print compensated = print;
+        compensated.compensation.on = true;
+        assert_false(lf_frame_set_print(&compensated).compensation.on);
         lf_print_shape_of(&frame, &shape);
         const lf_views32 views = make_views(3, shape.view_width, shape.view_height, data);
         assert_int_equal(shape.view_width, way == 2 ? HEIGHT : WIDTH - 1);

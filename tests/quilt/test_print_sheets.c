@@ -58,6 +58,36 @@ static void the_map_finds_the_lens_that_an_eye_looks_through(void **state)
     assert_true(lf_lens_factor(&(lf_lens){0}, 10.0) == 1.0);
 }
 
+/* Between points of a line, the interpolated map is off by no more than is said, and somewhere by
+ * a part of that. */
+static void the_error_of_an_interpolated_map_is_bounded(void **state)
+{
+    (void)state;
+    static const struct {
+        double thickness, index, distance, step;
+    } cases[] = {{0.6, 1.56, 400, 1.35}, {0.6, 1.56, 400, 40}, {2.5, 1.5, 150, 3},
+                 {50, 1.1, 20, 0.5},     {20, 3, 20, 5},       {1, 1.6, 20, 0.04}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const lf_lens lens = {.thickness = cases[i].thickness,
+                              .index = cases[i].index,
+                              .distance = cases[i].distance};
+        const double step = cases[i].step, most = lf_lens_factor_error(&lens, step);
+        double worst = 0;
+        for (double x = -6 * cases[i].distance; x < 6 * cases[i].distance; x += 0.7 * step)
+            for (double y = 0; y < 4 * cases[i].distance; y = 2 * y + step) {
+                const double low = lf_lens_factor(&lens, hypot(x, y)),
+                             high = lf_lens_factor(&lens, hypot(x + step, y));
+                for (double k = 0.25; k < 1; k += 0.25) {
+                    const double radius = hypot(x + k * step, y),
+                                 off = low + k * (high - low) - lf_lens_factor(&lens, radius);
+                    worst = fmax(worst, radius * fabs(off));
+                }
+            }
+        if (!(worst <= most + 1e-12 && worst > 0.02 * most))
+            fail_msg("case %zu: off by %g, said %g", i, worst, most);
+    }
+}
+
 /* In the middle, and where it meets the uniform one, the exact map has the same lens 0 and pitch.
  */
 static void both_maps_agree_in_the_middle(void **state)
@@ -162,12 +192,20 @@ static void the_smallest_slant_is_a_straight_print(void **state)
 static void strips_of_any_height_have_the_same_picture(void **state)
 {
     (void)state;
-    lf_print prints[5] = {slanted_print(), slanted_print(), micro_print(LF_LENS_SQUARE),
+    lf_print prints[8] = {slanted_print(), slanted_print(), micro_print(LF_LENS_SQUARE),
                           micro_print(LF_LENS_HEXAGONAL), slanted_print()};
     prints[1].horizontal = true;
     prints[3].optics.slant = 2;
     prints[4].optics.thickness_mm = 0.5;
     prints[4].optics.distance_mm = 200;
+    /* horizontal ones, straight, steep, and in three columns */
+    for (int i = 5; i < 8; i++) {
+        prints[i] = prints[4];
+        prints[i].horizontal = true;
+        prints[i].optics.slant = i == 5 ? 0 : i == 6 ? 55 : 9;
+    }
+    prints[7].width_mm = 4;
+    prints[7].sheet.columns = 3;
     for (size_t i = 0; i < sizeof prints / sizeof *prints; i++) {
         lf_printed one, seven, all;
         made(&prints[i], 1, &one);
@@ -179,6 +217,81 @@ static void strips_of_any_height_have_the_same_picture(void **state)
         lf_printed_finish(&seven);
         lf_printed_finish(&all);
     }
+}
+
+/* Thick, near and coarse, where the map bends within a block of pixels. */
+static void every_pixel_is_under_its_place_of_the_map(void **state)
+{
+    (void)state;
+    const float light[2][3] = {{0, 0, 0}, {1, 1, 1}};
+    const lf_views32 views = {2, 1, 1, 3, 3, &light[0][0], NULL, NULL, NULL};
+    for (int kind = 0; kind < 3; kind++) {
+        lf_print print = lf_print_sound();
+        lf_printed printed;
+        print.lpi = 30;
+        print.n_views = 2;
+        print.dpi = print.dpi_down = 150;
+        print.width_mm = print.height_mm = 40;
+        print.stripes = LF_STRIPES_NEAREST;
+        print.horizontal = kind == 1;
+        print.optics = (lf_optics){
+            .thickness_mm = 3, .index = 1.5, .distance_mm = 40, .slant = kind == 2 ? 8 : 0};
+        lf_printed_make(&print, &views, 0, &printed);
+        const lf_lens lens = lf_lens_of_print(&print);
+        for (int y = 0; y < printed.height; y++)
+            for (int x = 0; x < printed.width; x++) {
+                const double phase =
+                                 lf_lens_phase(&lens, (x + 0.5 - 0.5 * printed.width) / 150 * 25.4,
+                                               (y + 0.5 - 0.5 * printed.height) / 150 * 25.4, 0),
+                             part = phase + 0.5 - floor(phase + 0.5);
+                const bool is_left = part < 0.5;
+                if (fmin(fabs(part - 0.5), fmin(part, 1 - part)) < 1e-5)
+                    continue;
+                const int value = printed.value[3 * (y * printed.width + x)];
+                if ((value > 128) != (lens.from_right == is_left))
+                    fail_msg("kind %d: pixel %d, %d is %d", kind, x, y, value);
+            }
+        lf_printed_finish(&printed);
+    }
+}
+
+/* Rows of copies in turn have what each of them has alone. */
+static void copies_do_not_change_each_other(void **state)
+{
+    (void)state;
+    enum { SIDE = 9, PIXELS = 200 };
+    float light[8][SIDE][SIDE][3], in_turn[3 * PIXELS], alone[3 * PIXELS];
+    lf_print print = slanted_print();
+    lf_error err;
+    lf_tone *tone;
+    for (int i = 0; i < 8 * SIDE * SIDE * 3; i++)
+        (&light[0][0][0][0])[i] = (float)(i * 37 % 101) / 100;
+    print.n_views = 8;
+    print.lpi = 40;
+    print.dpi = print.dpi_down = 600;
+    print.width_mm = print.height_mm = PIXELS * 25.4 / 600;
+    print.bleed_mm = 0;
+    print.horizontal = true;
+    const lf_views32 views = {8,    SIDE, SIDE, SIDE * SIDE * 3, SIDE * 3, &light[0][0][0][0],
+                              NULL, NULL, NULL};
+    lf_print_shape shape;
+    lf_print_source source;
+    lf_print_shape_of(&print, &shape);
+    assert_int_equal(shape.raster_width, PIXELS);
+    lf_assert_ok(lf_tone_create(0, "srgb", &tone, &err), &err);
+    assert_int_equal(lf_print_source_init(&source, &print, &shape, &views, tone), LF_OK);
+    lf_slanted *both, *one;
+    assert_int_equal(lf_slanted_create(&print, &shape, &source, &both), LF_OK);
+    assert_int_equal(lf_slanted_create(&print, &shape, &source, &one), LF_OK);
+    lf_slanted_row(both, 70, in_turn);
+    shape.shift_right_mm = 1.3;
+    lf_slanted_row(both, 70, in_turn);
+    lf_slanted_row(one, 70, alone);
+    assert_memory_equal(in_turn, alone, sizeof alone);
+    lf_slanted_destroy(both);
+    lf_slanted_destroy(one);
+    lf_print_source_finish(&source);
+    lf_tone_destroy(tone);
 }
 
 /* Every axis of a lens that touches the picture lies between two samples, in every row. */
@@ -380,10 +493,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_phase_of_a_panel_gives_its_views),
         cmocka_unit_test(the_map_finds_the_lens_that_an_eye_looks_through),
+        cmocka_unit_test(the_error_of_an_interpolated_map_is_bounded),
         cmocka_unit_test(both_maps_agree_in_the_middle),
         cmocka_unit_test(a_share_is_the_area_of_the_pixel_below_a_line),
         cmocka_unit_test(the_smallest_slant_is_a_straight_print),
         cmocka_unit_test(strips_of_any_height_have_the_same_picture),
+        cmocka_unit_test(every_pixel_is_under_its_place_of_the_map),
+        cmocka_unit_test(copies_do_not_change_each_other),
         cmocka_unit_test(samples_reach_every_lens),
         cmocka_unit_test(what_a_sheet_cannot_have_is_refused_in_words),
         cmocka_unit_test(views_of_micro_sheets_are_chosen),

@@ -133,6 +133,7 @@ static void bad_calibrations_are_refused(void **state)
     refused(f, IN(", \"crosstalk\": []"), "/calibrations/0/crosstalk", "odd");
     refused(f, IN(", \"crosstalk\": [0.2, 0.5, 0.2]"), "/calibrations/0/crosstalk", "sum");
     refused(f, IN(", \"crosstalk\": [\"1\"]"), "/calibrations/0/crosstalk", "numbers");
+    refused(f, IN(", \"crosstalk\": [-0.1, 1, 0.1]"), "/calibrations/0/crosstalk", "from 0 to 1");
     refused(f, IN(", \"crosstalk\": [0,0,0,0,0,0,0,0,0,1,0,0,0,0,0,0,0,0,0]"),
             "/calibrations/0/crosstalk", "at most 17");
     refused(f,

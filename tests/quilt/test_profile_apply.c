@@ -61,6 +61,7 @@ static void make_profiles(void)
         .optics = {.thickness_mm = 0.6, .index = 1.56, .angle = 54, .radius_mm = 0.2},
         .spot_mm = 0.03};
     printer = (lf_printer_profile){.file.name = "ink", .dpi = 720, .dot_gain = 0.1, .ink_mm = 0.02};
+    printer.registered = true;
 }
 
 static lf_print plain_print(void)
@@ -124,36 +125,104 @@ static void a_calibration_gives_the_pitch(void **state)
     assert_int_equal(told.warnings.length, 0);
 }
 
-static void crosstalk_is_that_of_the_views_of_the_print(void **state)
+/* A print's own values do not survive into a sheet that lacks them; a measured phase of 0 counts.
+ */
+static void the_sheet_is_that_of_the_profile_alone(void **state)
 {
-    /* by hand: shares of eighths of a lens, as areas of even light */
-    static const struct {
-        int n_views, n;
-        double crosstalk[7];
-    } of[] = {{8, 1, {0.1, 0.8, 0.1}},
-              {4, 1, {0.05, 0.9, 0.05}}, /* half of a neighbour is in the own view */
-              {16, 3, {0.025, 0.05, 0.225, 0.4, 0.225, 0.05, 0.025}},
-              {2, 0, {1}}};
+    lf_error err = {0};
+    const lf_print_given none = {0};
     (void)state;
-    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
-        lf_print_blur blur = {.n_crosstalk = 1, .crosstalk = {0.1, 0.8, 0.1}, .crosstalk_views = 8};
-        lf_print_fit_crosstalk(&blur, of[i].n_views);
-        assert_int_equal(blur.n_crosstalk, of[i].n);
-        for (int k = 0; k <= 2 * blur.n_crosstalk; k++)
-            lf_assert_close(blur.crosstalk[k], of[i].crosstalk[k], 1e-12, 1e-15);
-    }
-    /* more than there is room for is cut, and the rest sums to 1 */
-    lf_print_blur wide = {.n_crosstalk = 8, .crosstalk_views = 8};
-    for (int k = 0; k < 17; k++)
-        wide.crosstalk[k] = 1.0 / 17;
-    lf_print_fit_crosstalk(&wide, 40);
-    assert_int_equal(wide.n_crosstalk, LF_PRINT_CROSSTALK);
-    for (int k = 0; k < 17; k++)
-        lf_assert_close(wide.crosstalk[k], 1.0 / 17, 1e-12, 0);
-    /* already in the print's views */
-    lf_print_blur own = {.n_crosstalk = 1, .crosstalk = {0.1, 0.8, 0.1}};
-    lf_print_fit_crosstalk(&own, 5);
-    assert_true(own.crosstalk[1] == 0.8);
+    make_profiles();
+    lens.optics = (lf_optics){0};
+    lens.spot_mm = 0;
+    lens.calibrations[0] = measured("ink", 60.13, 400);
+    lens.n_calibrations = 1;
+    lf_print print = plain_print();
+    print.phase_mm = 0.14;
+    print.optics = (lf_optics){.thickness_mm = 0.9,
+                               .index = 1.4,
+                               .radius_mm = 1,
+                               .angle = 30,
+                               .slant = 10,
+                               .distance_mm = 400};
+    print.blur = (lf_print_blur){.spot_mm = 0.1, .n_crosstalk = 1, .crosstalk = {0, 1, 0}};
+    lf_print own = print;
+    lf_assert_ok(lf_profile_apply(&lens, &printer, &none, &print, &told, &err), &err);
+    assert_true(print.phase_mm == 0 && print.optics.slant == 0);
+    assert_true(print.optics.thickness_mm == 0 && print.optics.index == 0);
+    assert_true(print.optics.radius_mm == 0 && print.optics.angle == 0);
+    assert_true(print.blur.spot_mm == 0 && print.blur.n_crosstalk == 0);
+    assert_non_null(strstr(told.lines.text, "phase 0 mm"));
+    /* options win */
+    lf_print_given given = given_of("phase", &own, "0.14");
+    lf_print_give(&given, lf_param_find(lf_print_params, "slant"));
+    lf_assert_ok(lf_profile_apply(&lens, &printer, &given, &own, &told, &err), &err);
+    assert_true(own.phase_mm == 0.14 && own.optics.slant == 10 && own.optics.index == 0);
+    assert_null(strstr(told.lines.text, "phase"));
+}
+
+static void a_phase_is_of_lenses_that_run_as_the_charts(void **state)
+{
+    lf_error err = {0};
+    lf_print print;
+    (void)state;
+    make_profiles();
+    lens.calibrations[0] = measured("ink", 60.13, 400);
+    lens.calibrations[0].phase_mm = 0.05;
+    lens.calibrations[0].reverse = true;
+    lens.n_calibrations = 1;
+    lf_assert_ok(apply(NULL, NULL, &print, &err), &err);
+    assert_true(print.phase_mm == 0.05);
+    assert_non_null(strstr(told.lines.text, "phase 0.05 mm, views in reverse order"));
+    /* a chart is vertical unless something says otherwise */
+    lf_assert_ok(apply("orientation", "horizontal", &print, &err), &err);
+    assert_true(print.horizontal && print.phase_mm == 0 && print.lpi == 60.13);
+    assert_null(strstr(told.lines.text, "phase"));
+    assert_non_null(strstr(told.warnings.text,
+                           "acme was measured with vertical lenses, so the phase of horizontal "
+                           "ones is unknown; measure a chart with --orientation horizontal"));
+    /* the calibration of the other lenses, at the same distance */
+    lens.calibrations[1] = measured("ink", 60.12, 400);
+    lens.calibrations[1].phase_mm = 0.07;
+    lens.calibrations[1].horizontal = lens.calibrations[1].has_horizontal = true;
+    lens.n_calibrations = 2;
+    lf_assert_ok(apply("orientation", "horizontal", &print, &err), &err);
+    assert_true(print.phase_mm == 0.07 && print.lpi == 60.12);
+    assert_int_equal(told.warnings.length, 0);
+    lf_assert_ok(apply(NULL, NULL, &print, &err), &err);
+    assert_true(print.phase_mm == 0.05 && print.lpi == 60.13);
+    /* a sheet that is used with horizontal lenses was measured so */
+    lens.n_calibrations = 1;
+    lens.horizontal = lens.has_horizontal = true;
+    lf_assert_ok(apply(NULL, NULL, &print, &err), &err);
+    assert_true(print.horizontal && print.phase_mm == 0.05);
+    lf_assert_ok(apply("orientation", "vertical", &print, &err), &err);
+    assert_true(print.phase_mm == 0);
+    assert_non_null(strstr(told.warnings.text, "phase of vertical ones is unknown"));
+}
+
+/* Without a jig, the phase is one of the laying of the chart's sheet. */
+static void a_phase_needs_a_registered_printer(void **state)
+{
+    lf_error err = {0};
+    lf_print print;
+    (void)state;
+    make_profiles();
+    printer.registered = false;
+    lens.calibrations[0] = measured("ink", 60.13, 400);
+    lens.calibrations[0].phase_mm = 0.071;
+    lens.n_calibrations = 1;
+    lf_assert_ok(apply(NULL, NULL, &print, &err), &err);
+    assert_true(print.phase_mm == 0 && print.lpi == 60.13);
+    assert_non_null(
+        strstr(told.lines.text, "phase +0.071 mm not applied, because ink is not registered"));
+    assert_int_equal(told.warnings.length, 0);
+    lf_assert_ok(apply("phase", "0.02", &print, &err), &err);
+    assert_true(print.phase_mm == 0.02);
+    assert_null(strstr(told.lines.text, "phase"));
+    lf_assert_ok(apply("orientation", "horizontal", &print, &err), &err);
+    assert_true(print.phase_mm == 0);
+    assert_int_equal(told.warnings.length, 0);
 }
 
 static void an_option_wins_over_profiles(void **state)
@@ -317,7 +386,8 @@ static void profiles_are_accounted_for(void **state)
     lf_assert_ok(lf_roots_add(&roots, *state, &err), &err);
     put_lens(*state, "own/quiltd/lenses/acme.json", 60.2);
     (void)lf_test_write(*state, "own/quiltd/printers/ink.json",
-                        "{\"quiltd_printer\": 1, \"dpi\": 720, \"icc\": \"ink.icc\"}");
+                        "{\"quiltd_printer\": 1, \"dpi\": 720, \"icc\": \"ink.icc\", "
+                        "\"native_dpi\": [360, 720]}");
     const lf_print_given given = given_of("distance", &print, "400");
     print.icc_roots = &roots;
     lf_profile_names names = {0};
@@ -334,6 +404,9 @@ static void profiles_are_accounted_for(void **state)
                         profiles->lens.file.sha256);
     assert_true(json_number_value(json_object_get(of_lens, "pitch_lpi")) == 60.2);
     assert_true(json_number_value(json_object_get(of_printer, "dpi")) == 720);
+    const json_t *native = json_object_get(of_printer, "native_dpi");
+    assert_int_equal(json_array_size(native), 2);
+    assert_true(json_number_value(json_array_get(native, 1)) == 720);
     assert_int_equal(json_array_size(json_object_get(profiles->account, "used")), 2);
     assert_int_equal(json_array_size(json_object_get(profiles->account, "warnings")), 2);
     assert_null(print.icc_roots); /* found by name: the folders are the program's own */
@@ -416,7 +489,9 @@ int main(void)
         cmocka_unit_test(the_pitch_at_a_distance_is_that_of_the_closed_form),
         cmocka_unit_test(thickness_and_angle_belong_together),
         cmocka_unit_test(a_calibration_gives_the_pitch),
-        cmocka_unit_test(crosstalk_is_that_of_the_views_of_the_print),
+        cmocka_unit_test(the_sheet_is_that_of_the_profile_alone),
+        cmocka_unit_test(a_phase_needs_a_registered_printer),
+        cmocka_unit_test(a_phase_is_of_lenses_that_run_as_the_charts),
         cmocka_unit_test(an_option_wins_over_profiles),
         cmocka_unit_test(the_thickness_that_was_given_counts_for_the_pitch),
         cmocka_unit_test(what_is_unknown_is_told),

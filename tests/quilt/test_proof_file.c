@@ -118,6 +118,7 @@ typedef struct other {
     int photometric, samples, bits, compression, planar, extra, unit;
     bool tiled;
     const char *unreadable; /* a part of what is said; NULL: rows can be read */
+    double dpi;             /* 0: 200 */
 } other;
 
 /* Row y holds y + 10 c + x. */
@@ -143,7 +144,7 @@ static const char *write_other(const other *o)
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, o->photometric);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, o->compression);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, o->planar);
-    TIFFSetField(tiff, TIFFTAG_XRESOLUTION, 200.0);
+    TIFFSetField(tiff, TIFFTAG_XRESOLUTION, o->dpi > 0 ? o->dpi : 200.0);
     TIFFSetField(tiff, TIFFTAG_YRESOLUTION, 100.0);
     TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, o->unit);
     if (o->extra)
@@ -163,6 +164,23 @@ static const char *write_other(const other *o)
     }
     TIFFClose(tiff);
     return path;
+}
+
+/* Pixels larger than an inch, and resolutions that no printer has, are taken as unknown. */
+static void resolutions_that_no_printer_has_are_unknown(void **state)
+{
+    (void)state;
+    static const struct {
+        double dpi, expected;
+    } rows[] = {{0.0001, 0}, {0.99, 0}, {1, 1}, {100000, 100000}, {150000, 0}, {4e9, 0}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const other plain = {"w", 2, 3, 8, 1, 1, 0, 2, false, NULL, rows[i].dpi};
+        lf_print_file *file;
+        lf_error err;
+        lf_assert_ok(lf_print_file_open(write_other(&plain), NULL, &file, &err), &err);
+        lf_assert_close(lf_print_file_tags(file)->dpi[0], rows[i].expected, 0, 1e-6);
+        lf_print_file_close(file);
+    }
 }
 
 static void assert_other(const other *o)
@@ -196,18 +214,18 @@ static void reads_files_of_other_programs_or_names_what_it_cannot_read(void **st
 {
     (void)state;
     static const other others[] = {
-        {"wl8", 2, 3, 8, 1, 1, 0, 2, false, NULL},
-        {"wb", 2, 3, 16, 1, 1, 0, 3, false, NULL},
-        {"wb8", 5, 4, 16, 8, 1, 0, 1, false, NULL},
-        {"wb", 5, 4, 8, 5, 1, 0, 2, false, NULL},
-        {"wl", 5, 4, 16, 1, 1, 0, 2, false, NULL},
-        {"wl", 2, 3, 8, 7, 1, 0, 2, false, "JPEG"},
-        {"wl", 2, 4, 8, 1, 1, 1, 2, false, "alpha"},
-        {"wl", 1, 1, 8, 1, 1, 0, 2, false, "colour space"},
-        {"wl", 2, 3, 8, 1, 2, 0, 2, false, "plane per channel"},
-        {"wl", 2, 3, 8, 1, 1, 0, 2, true, "tiles"},
-        {"wl", 2, 3, 8, 32773, 1, 0, 2, false, "compression other"},
-        {"wl", 2, 4, 8, 1, 1, 0, 2, false, "number of channels"},
+        {"wl8", 2, 3, 8, 1, 1, 0, 2, false, NULL, 0},
+        {"wb", 2, 3, 16, 1, 1, 0, 3, false, NULL, 0},
+        {"wb8", 5, 4, 16, 8, 1, 0, 1, false, NULL, 0},
+        {"wb", 5, 4, 8, 5, 1, 0, 2, false, NULL, 0},
+        {"wl", 5, 4, 16, 1, 1, 0, 2, false, NULL, 0},
+        {"wl", 2, 3, 8, 7, 1, 0, 2, false, "JPEG", 0},
+        {"wl", 2, 4, 8, 1, 1, 1, 2, false, "alpha", 0},
+        {"wl", 1, 1, 8, 1, 1, 0, 2, false, "colour space", 0},
+        {"wl", 2, 3, 8, 1, 2, 0, 2, false, "plane per channel", 0},
+        {"wl", 2, 3, 8, 1, 1, 0, 2, true, "tiles", 0},
+        {"wl", 2, 3, 8, 32773, 1, 0, 2, false, "compression other", 0},
+        {"wl", 2, 4, 8, 1, 1, 0, 2, false, "number of channels", 0},
     };
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         assert_other(&others[i]);
@@ -220,9 +238,10 @@ static void cmyk_without_a_profile_is_ideal_inks(void **state)
     lf_error err;
     float light[6];
     const uint8_t pixels[8] = {0, 0, 0, 0, 255, 51, 0, 51};
-    lf_assert_ok(lf_print_file_open(write_other(&(other){"wl", 5, 4, 8, 1, 1, 0, 2, false, NULL}),
-                                    NULL, &file, &err),
-                 &err);
+    lf_assert_ok(
+        lf_print_file_open(write_other(&(other){"wl", 5, 4, 8, 1, 1, 0, 2, false, NULL, 0}), NULL,
+                           &file, &err),
+        &err);
     lf_print_file_light(file, pixels, 2, light);
     const double expected[6] = {1, 1, 1, 0, 0.64, 0.8};
     for (int i = 0; i < 6; i++)
@@ -328,7 +347,7 @@ static void a_printers_profile_is_read_through_its_table(void **state)
     lf_assert_ok(
         lf_file_read(save_profile("ink.icc", ink_profile()), NULL, 1 << 24, &icc, &size, &err),
         &err);
-    const char *path = write_other(&(other){"wl", 5, 4, 8, 1, 1, 0, 2, false, NULL});
+    const char *path = write_other(&(other){"wl", 5, 4, 8, 1, 1, 0, 2, false, NULL, 0});
     TIFF *tiff = TIFFOpen(path, "r+");
     assert_non_null(tiff);
     TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)size, icc);
@@ -461,6 +480,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_every_file_that_is_written),
         cmocka_unit_test(reads_files_of_other_programs_or_names_what_it_cannot_read),
+        cmocka_unit_test(resolutions_that_no_printer_has_are_unknown),
         cmocka_unit_test(cmyk_without_a_profile_is_ideal_inks),
         cmocka_unit_test(a_wide_rgb_profile_is_undone),
         cmocka_unit_test(a_printers_profile_is_read_through_its_table),

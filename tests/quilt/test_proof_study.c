@@ -92,8 +92,43 @@ static void what_is_not_known_is_assumed_in_words(void **state)
     lf_proof_sheet_of(&points, &of_points, NULL);
     assert_int_equal(of_points.n_views, 5);
     lf_assert_close(of_points.spot_mm, 25.4 / 60 / 10, 1e-9, 0);
-    /* 0.6 mm: all views in 25.4/60 n D / t */
-    lf_assert_close(lf_proof_view_range(&sheet, 500), 25.4 / 60 * 1.56 * 500 / 0.6, 1e-9, 0);
+}
+
+/* The largest share of its cell that the middle lens shows an eye, by following the ray back: found
+ * by moving the eye, not by the formula. */
+static double seen_by(double x_mm, double distance_mm, double thickness_mm, double index)
+{
+    const double inside = asin(sin(atan2(x_mm, distance_mm)) / index);
+    return thickness_mm * tan(inside);
+}
+
+static void ranges_of_views_are_those_of_rays(void **state)
+{
+    (void)state;
+    lf_print print = lf_print_sound();
+    print.optics.thickness_mm = 0.548;
+    print.optics.index = 1.552;
+    print.optics.distance_mm = 400;
+    for (int i = 0; i < 3; i++) {
+        const double distance = (const double[]){400, 250, 1000}[i];
+        lf_proof_sheet sheet;
+        lf_proof_sheet_of(&print, &sheet, NULL);
+        double jump = 0, view = 0;
+        while (seen_by(jump, distance, 0.548, 1.552) < 0.5 * 25.4 / 60)
+            jump += 0.01;
+        while (seen_by(view, distance, 0.548, 1.552) < 0.5 * 25.4 / 60 / sheet.n_views)
+            view += 0.01;
+        lf_assert_close(lf_proof_view_range(&sheet, distance), 2 * jump, 0, 0.05);
+        lf_assert_close(lf_proof_view_step(&sheet, distance), 2 * view, 0, 0.05);
+        if (i == 0)
+            lf_assert_close(jump, 268, 0, 2); /* 240 without Snell's law */
+        lf_assert_close(lf_proof_eye_at(&sheet, distance, -0.5), -jump, 0, 0.05);
+    }
+    /* a thick sheet of coarse lenses: light that cannot leave it */
+    print.lpi = 10;
+    lf_proof_sheet sheet;
+    lf_proof_sheet_of(&print, &sheet, NULL);
+    assert_true(lf_proof_view_range(&sheet, 400) < 2 * 400 * 6);
 }
 
 /* ---------------------------------------------------------------------------------- parallax -- */
@@ -101,6 +136,7 @@ static void what_is_not_known_is_assumed_in_words(void **state)
 typedef struct scene {
     double shift; /* of all points, lenses from view to view */
     bool flips, horizontal;
+    int flat; /* from this lens on, a soft sky; 0: nowhere */
 } scene;
 
 static double wave(double x, double y)
@@ -118,6 +154,8 @@ static float draw(const void *context, int view, int row, int column, int c)
         const double noise = 43758.5453 * sin(12.9898 * lens + 78.233 * (along / 20) + 37.7 * view);
         return (float)(noise - floor(noise));
     }
+    if (s->flat > 0 && lens >= s->flat)
+        return 0.4F + 0.0005F * (float)along;
     return (float)wave(lens - s->shift * view, along);
 }
 
@@ -147,11 +185,11 @@ static void depth_of(const scene *s, lf_print *print, lf_proof_depth *out, lf_pr
 static void shifts_of_prints_are_measured(void **state)
 {
     (void)state;
-    static const scene scenes[] = {{0.6, false, false},
-                                   {-0.5, false, false},
-                                   {2.0, false, false},
-                                   {-3.0, false, false},
-                                   {1.5, false, true}};
+    static const scene scenes[] = {{0.6, false, false, 0},
+                                   {-0.5, false, false, 0},
+                                   {2.0, false, false, 0},
+                                   {-3.0, false, false, 0},
+                                   {1.5, false, true, 0}};
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         const double shift = scenes[i].shift;
         lf_print print;
@@ -179,6 +217,35 @@ static void shifts_of_prints_are_measured(void **state)
     }
 }
 
+/* A sky beside a thing that moves: the thing is marked, also in blocks that hold both. */
+static void what_does_not_move_is_not_marked(void **state)
+{
+    (void)state;
+    for (int horizontal = 0; horizontal < 2; horizontal++) {
+        lf_print print;
+        lf_print_file *file;
+        lf_proof_depth depth;
+        /* 97 lenses across; the border lies in the fourth of six blocks */
+        depth_of(&(scene){-3, false, horizontal, 58}, &print, &depth, &file);
+        const int n = LF_PROOF_BLOCK / LF_PROOF_CELL, n_columns = depth.columns * n;
+        int marked[2] = {0}, all[2] = {0};
+        for (int y = 0; y < depth.rows * n; y++)
+            for (int x = 0; x < n_columns; x++) {
+                const int lens = (horizontal ? y : x) * LF_PROOF_CELL;
+                const bool sky = lens >= 60;
+                if (lens < 52 || sky) {
+                    marked[sky] += depth.doubled[y * n_columns + x];
+                    all[sky]++;
+                }
+            }
+        print_message("marked: %d of %d, sky %d of %d\n", marked[0], all[0], marked[1], all[1]);
+        assert_true(marked[0] > all[0] / 2);
+        assert_int_equal(marked[1], 0);
+        lf_proof_depth_finish(&depth);
+        lf_print_file_close(file);
+    }
+}
+
 static void a_flip_has_no_parallax(void **state)
 {
     (void)state;
@@ -186,7 +253,7 @@ static void a_flip_has_no_parallax(void **state)
         lf_print print;
         lf_print_file *file;
         lf_proof_depth depth;
-        depth_of(&(scene){0, true, horizontal}, &print, &depth, &file);
+        depth_of(&(scene){0, true, horizontal, 0}, &print, &depth, &file);
         print_message("flip: %.2f matched, most %.2f\n", depth.measured, depth.most);
         assert_true(depth.measured < LF_PROOF_FLIP);
         lf_proof_depth_finish(&depth);
@@ -197,11 +264,13 @@ static void a_flip_has_no_parallax(void **state)
 static void too_much_parallax_is_hatched_and_cut_edges_are_outlined(void **state)
 {
     (void)state;
-    float shift[4] = {0.5F, 2.0F, NAN, -1.5F};
+    uint8_t doubled[8 * 8] = {0};
     lf_proof_depth depth = {
-        .width = 32, .height = 32, .columns = 2, .rows = 2, .shift = shift, .cut = {true}};
+        .width = 32, .height = 32, .columns = 2, .rows = 2, .doubled = doubled, .cut = {true}};
     lf_image32 image;
     int red[4] = {0}, blue = 0;
+    for (int k = 0; k < 64; k++) /* on the right */
+        doubled[k] = k % 8 >= 4;
     assert_int_equal(lf_image32_init(&image, 64, 64, 3), LF_OK);
     lf_proof_depth_mark(&depth, &image);
     for (int y = 0; y < 64; y++)
@@ -223,7 +292,9 @@ int main(void)
         cmocka_unit_test(own_views_are_those_of_the_table),
         cmocka_unit_test(a_wrong_pitch_drifts),
         cmocka_unit_test(what_is_not_known_is_assumed_in_words),
+        cmocka_unit_test(ranges_of_views_are_those_of_rays),
         cmocka_unit_test(shifts_of_prints_are_measured),
+        cmocka_unit_test(what_does_not_move_is_not_marked),
         cmocka_unit_test(a_flip_has_no_parallax),
         cmocka_unit_test(too_much_parallax_is_hatched_and_cut_edges_are_outlined),
     };

@@ -432,8 +432,8 @@ static void agrees_with_the_oracle_in_a_plane(void **state)
         const double expected =
             lf_seen_through(&other, &row, k, eye.x_mm, 400, proofed.spot_mm, true);
         const size_t at = (size_t)(k - seen.first);
-        if (k < seen.first || k >= seen.first + seen.n)
-            continue;
+        if (fabs(k * 25.4 / print.lpi) > 0.5 * print.width_mm - 0.2)
+            continue; /* bleed is cut off */
         lf_assert_close((double)seen.light[3 * at + 1], expected, 0, 0.01);
     }
     lf_row_light_finish(&row);

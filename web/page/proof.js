@@ -6,9 +6,9 @@ import { make } from "./dom.js";
 export const EYES = 25;
 export const BEYOND = 1.3;
 
-/** Where the column must lie to show the image of an eye, in percent; eye 0 is at its bottom. */
-export function placeOf(eye) {
-  return 100 - (100 * eye) / (EYES - 1);
+/** How far the column must be raised to show the image of an eye, in percent of it; eye 0 is at its bottom. */
+export function raiseOf(eye) {
+  return (100 * (EYES - 1 - eye)) / EYES;
 }
 
 /** Where an eye is, as a share of the range of the views: 0 in the middle, ±0.5 where they jump. */
@@ -25,7 +25,8 @@ export function wordsOf(eye) {
 
 /** An element with the proof under this address, and a slider for the eye. */
 export function proofView(path) {
-  const image = make("div", { class: "seen", role: "img", "aria-label": "The print through its sheet" });
+  const column = make("img", { src: path, alt: "The print through its sheet" });
+  const seen = make("div", { class: "seen" }, column);
   const eye = make("input", {
     type: "range",
     min: "0",
@@ -36,16 +37,13 @@ export function proofView(path) {
   });
   const text = make("output", { class: "number" });
   const show = () => {
-    image.style.backgroundPosition = `0 ${placeOf(Number(eye.value))}%`;
+    column.style.translate = `0 ${-raiseOf(Number(eye.value))}%`;
     text.textContent = wordsOf(Number(eye.value));
   };
-  const column = new Image();
   column.addEventListener("load", () => {
-    image.style.aspectRatio = `${column.naturalWidth} / ${column.naturalHeight / EYES}`;
-    image.style.backgroundImage = `url("${path}")`;
+    seen.style.aspectRatio = `${column.naturalWidth} / ${column.naturalHeight / EYES}`;
     show();
   });
   eye.addEventListener("input", show);
-  column.src = path;
-  return make("div", { class: "proof" }, image, eye, text);
+  return make("div", { class: "proof" }, seen, eye, text);
 }

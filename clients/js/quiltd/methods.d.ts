@@ -1842,6 +1842,10 @@ export interface Notifications {
         "pointer"?: string;
       };
     };
+    /** print by profiles: what they gave */
+    "used"?: string[];
+    /** print by profiles: what they lack */
+    "warnings"?: string[];
   };
   /** the daemon has logged a line */
   "log": {
