@@ -228,7 +228,7 @@ static lf_status read_head(lf_tiff *tiff, uint64_t *out_directory, lf_error *err
     if (!there || head[0] != head[1] || (head[0] != 'I' && head[0] != 'M') ||
         (version != 42 && version != 43))
         return lf_error_set(err, LF_E_FORMAT, tiff->where,
-                            "neither a TIFF nor a PDF; give the print that quiltrender wrote");
+                            "not a TIFF or PDF; give the print that quiltrender wrote");
     tiff->tags.big = version == 43;
     *out_directory = number_of(tiff, head + 4, 4);
     if (tiff->tags.big) {
