@@ -73,7 +73,7 @@ render: render/scene render/transport render/transport/path render/transport/lan
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/lens.h quilt/kernel
-quilt/profile: quilt/quilt.h quilt/prints.h quilt/profiles.h
+quilt/profile: quilt/quilt.h quilt/prints.h quilt/profiles.h quilt/lens.h
 quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/font.h quilt/photo.h
 quilt/chart: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/font.h quilt/photo.h quilt/print/print.h quilt/print/label.h
 quilt/proof: quilt/quilt.h quilt/prints.h quilt/profiles.h quilt/lens.h quilt/print/pdf.h
