@@ -59,13 +59,13 @@ static lf_ffmpeg_words limited(const lf_ffmpeg_words *words, const lf_ffmpeg_lim
                                char *script, size_t size)
 {
     const struct {
-        enum __rlimit_resource what;
         rlim_t most, unit;
+        enum __rlimit_resource what;
         char option;
-    } rows[] = {{RLIMIT_AS, limits->memory, 1024, 'v'},
-                {RLIMIT_FSIZE, SAID_BYTES, 512, 'f'},
-                {RLIMIT_NOFILE, MOST_FILES, 1, 'n'},
-                {RLIMIT_CORE, 0, 512, 'c'}};
+    } rows[] = {{limits->memory, 1024, RLIMIT_AS, 'v'},
+                {SAID_BYTES, 512, RLIMIT_FSIZE, 'f'},
+                {MOST_FILES, 1, RLIMIT_NOFILE, 'n'},
+                {0, 512, RLIMIT_CORE, 'c'}};
     lf_ffmpeg_words out = {0};
     int used = 0;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

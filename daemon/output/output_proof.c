@@ -25,7 +25,9 @@ static int open_nameless(void)
 {
     const char *folder = getenv("TMPDIR");
     const int fd = open(folder ? folder : "/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    return fd >= 0 ? fd : memfd_create("proof", MFD_CLOEXEC);
+    if (fd < 0)
+        return memfd_create("proof", MFD_CLOEXEC);
+    return fd;
 }
 
 /* The print without its page: of copies, which are all alike, one is seen. */

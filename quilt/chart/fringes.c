@@ -77,8 +77,9 @@ static void search_grid(search *s, double reach_ratio, lf_chart_sheet *out)
     const lf_chart *chart = s->chart;
     const lf_chart_samples *g = s->samples;
     const int n_rows = g->n_bands * g->rows_of_band;
-    const double spread = (chart->n_bands / 2) * chart->step + LF_CHART_BEYOND_LPI +
-                          chart->lpi * reach_ratio; /* lpi */
+    const int bands_beside = chart->n_bands / 2;
+    const double spread =
+        bands_beside * chart->step + LF_CHART_BEYOND_LPI + chart->lpi * reach_ratio; /* lpi */
     const double dp = STEP_CYCLES / g->half_width, middle = chart->lpi / 25.4;
     const double half_height = fmax(0.5 * chart->n_bands * chart->band_height, 1.0);
     const double da = STEP_CYCLES / (middle * half_height);

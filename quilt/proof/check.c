@@ -212,7 +212,7 @@ static void judge_stored(lf_check *check)
     const lf_print_tags *tags = check->tags;
     const double raster =
         tags ? (double)tags->width * tags->height * tags->samples * (tags->bits > 8 ? 2 : 1) : 0.0;
-    if (check->trouble[0])
+    if (check->trouble[0] || !tags)
         lf_check_say(check, CHECK_STORED, LF_CHECK_FAIL, limit,
                      "The file is damaged, or of another program; copy or write it again.", "%s",
                      check->trouble);
