@@ -106,7 +106,8 @@ static bool adds_up(const lf_print_light *light)
     float black[3];
     light_of(light, (const float[3]){0, 0, 0}, black);
     for (int i = 0; i < 125; i++) {
-        const float device[3] = {(float)(i % 5) / 4, (float)(i / 5 % 5) / 4, (float)(i / 25) / 4};
+        const int step[3] = {i % 5, i / 5 % 5, i / 25};
+        const float device[3] = {(float)step[0] / 4, (float)step[1] / 4, (float)step[2] / 4};
         float whole[3], sum[3] = {-2 * black[0], -2 * black[1], -2 * black[2]};
         light_of(light, device, whole);
         for (int c = 0; c < 3; c++) {

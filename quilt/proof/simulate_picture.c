@@ -99,10 +99,9 @@ static void compose_points(const lf_proof_sheet *sheet, const lf_proof_light *li
             float sum[3] = {0},
                   *out = image->data + 3 * ((size_t)y * (size_t)image->width + (size_t)x);
             for (int k = 0; k < parts * parts; k++) {
-                const double right_mm =
-                    (x + (k % parts + 0.5) / parts - 0.5 * image->width) * pixel;
-                const double down_mm =
-                    (y + ((double)(k / parts) + 0.5) / parts - 0.5 * image->height) * down;
+                const int column = k % parts, line = k / parts;
+                const double right_mm = (x + (column + 0.5) / parts - 0.5 * image->width) * pixel;
+                const double down_mm = (y + (line + 0.5) / parts - 0.5 * image->height) * down;
                 const float *from = light_over(sheet, light, right_mm, down_mm);
                 for (int c = 0; c < 3; c++)
                     sum[c] += from[c];

@@ -158,8 +158,8 @@ static lf_status see_views(lf_print_file *file, const lf_proof_sheet *sheet, dou
                            const lf_cancel *cancel, lf_error *err)
 {
     for (int k = 0; k < n_views; k++) {
-        const double share =
-            ((sheet->n_views / 2 - 1 + k) - 0.5 * (sheet->n_views - 1)) / sheet->n_views;
+        const int view_seen = sheet->n_views / 2 - 1 + k;
+        const double share = (view_seen - 0.5 * (sheet->n_views - 1)) / sheet->n_views;
         const double at_mm = lf_proof_eye_at(sheet, distance_mm, share);
         const lf_eye eye = {sheet->horizontal ? 0.0 : at_mm, sheet->horizontal ? at_mm : 0.0,
                             distance_mm};
