@@ -131,7 +131,9 @@ static pixel_shares shares_of(const lf_check_stripes *stripes, const lf_check_bl
                               double moved_mm, double *scratch)
 {
     const int n = block->end - block->first;
-    pixel_shares out = {.stripe = &scratch[0], .first = &scratch[n]};
+    pixel_shares out = {0};
+    out.stripe = scratch;
+    out.first = scratch + n;
     const double half = 0.5 * lf_check_stripe_reach(stripes);
     const double origin = floor(lf_check_stripe_at(stripes, block->first + 0.5, moved_mm) - half);
     for (int i = 0; i < n; i++) {
