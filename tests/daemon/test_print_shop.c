@@ -18,6 +18,13 @@ static double memory_of(const char *line)
     return (double)used.ru_maxrss / 1000;
 }
 
+/* Megabytes. Address sanitizers keep what was released for a while. */
+#if defined(__SANITIZE_ADDRESS__)
+#define MOST_GROWTH INFINITY
+#else
+#define MOST_GROWTH 15
+#endif
+
 /* 4 MB of raster, and 40. */
 static void memory_does_not_grow_with_the_print(void **state)
 {
@@ -32,7 +39,7 @@ static void memory_does_not_grow_with_the_print(void **state)
                      f->quilt, f->folder, ways[i], tall ? 600 : 60);
             memory[tall] = memory_of(line);
         }
-        if (memory[1] - memory[0] > 15)
+        if (memory[1] - memory[0] > MOST_GROWTH)
             fail_msg("%s: %.0f MB, then %.0f MB", ways[i], memory[0], memory[1]);
     }
 }
