@@ -223,3 +223,14 @@ void lf_saved_set(lf_saved *raster, int x, int y, int c, double value)
     else
         raster->data[i] = (uint8_t)code;
 }
+
+lf_print lf_checked_chart(void)
+{
+    return (lf_print){.lpi = 60,
+                      .dpi = 600,
+                      .width_mm = 60,
+                      .height_mm = 40,
+                      .bits = 8,
+                      .chart_range = 0.2,
+                      .chart_step = 0.1};
+}

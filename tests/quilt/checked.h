@@ -54,4 +54,7 @@ void lf_saved_finish(lf_saved *raster);
 uint16_t lf_saved_at(const lf_saved *raster, int x, int y, int c);
 void lf_saved_set(lf_saved *raster, int x, int y, int c, double value);
 
+/* The options of a small chart. */
+lf_print lf_checked_chart(void);
+
 #endif

@@ -110,14 +110,7 @@ static void every_failure_has_a_short_remedy(void **state)
 static void a_chart_is_checked_too(void **state)
 {
     (void)state;
-    const lf_print print = {.lpi = 60,
-                            .dpi = 600,
-                            .width_mm = 60,
-                            .height_mm = 40,
-                            .bits = 8,
-                            .n_views = 0,
-                            .chart_range = 0.2,
-                            .chart_step = 0.1};
+    const lf_print print = lf_checked_chart();
     lf_checked checked;
     lf_checked_make(&print, NULL, true, &checked);
     lf_checked_run(&checked, true);

@@ -88,13 +88,7 @@ static void the_picture_of_a_pdf_is_measured(void **state)
 static void a_chart_as_pdf_is_checked(void **state)
 {
     (void)state;
-    const lf_print print = {.lpi = 60,
-                            .dpi = 600,
-                            .width_mm = 60,
-                            .height_mm = 40,
-                            .bits = 8,
-                            .chart_range = 0.2,
-                            .chart_step = 0.1};
+    const lf_print print = lf_checked_chart();
     lf_checked checked;
     lf_checked_make_pdf(&print, NULL, true, &checked);
     lf_checked_run(&checked, true);

@@ -119,13 +119,7 @@ static void bleed_and_marks_that_are_there_are_named(void **state)
 static void a_chart_that_was_just_written_is_what_was_written(void **state)
 {
     (void)state;
-    const lf_print print = {.lpi = 60,
-                            .dpi = 600,
-                            .width_mm = 60,
-                            .height_mm = 40,
-                            .bits = 8,
-                            .chart_range = 0.2,
-                            .chart_step = 0.1};
+    const lf_print print = lf_checked_chart();
     lf_checked checked;
     lf_checked_make(&print, NULL, true, &checked);
     lf_checked_run(&checked, true);
