@@ -6,6 +6,10 @@
 #define DELIVERS(n) "#!/bin/sh\nhead -c " #n " \"${0%/*}/frames.raw\"\n"
 #define ONE_FRAME DELIVERS(13824)
 #define STUCK "touch \"${0%/*}/stuck\"\n"
+/* The mark comes after the stop, or waits would end at once while the script still runs. */
+#define STOPS                                                                                      \
+    "(until grep -q '^State:.T' /proc/$$/status; do sleep 0.01; done; " STUCK                      \
+    ") > /dev/null 2>&1 &\nkill -STOP $$\n"
 
 /* An ffmpeg that does something else: before the first frame the video is refused. */
 static void a_bad_ffmpeg_is_told_in_one_line(void **state)
@@ -24,7 +28,7 @@ static void a_bad_ffmpeg_is_told_in_one_line(void **state)
         {"#!/bin/sh\nkill -9 $$\n", "ffmpeg was ended by signal 9", LF_E_FORMAT},
         {"#!/bin/sh\n" STUCK "exec sleep 1000\n",
          "ffmpeg has done nothing for 20 s; try the file with ffplay", LF_E_TIMEOUT},
-        {"#!/bin/sh\n" STUCK "kill -STOP $$\n",
+        {"#!/bin/sh\n" STOPS,
          "ffmpeg has been stopped (signal 19) for 60 s, so the video is abandoned", LF_E_TIMEOUT},
     };
     const int before = count_descriptors();
@@ -73,8 +77,8 @@ static void the_last_frame_stays_when_ffmpeg_fails(void **state)
         {DELIVERS(14000), "ffmpeg ended after 1 frames; try the file with ffplay", LF_E_IO},
         {ONE_FRAME STUCK "exec sleep 1000\n",
          "ffmpeg has delivered nothing for 60 s; try the file with ffplay", LF_E_TIMEOUT},
-        {ONE_FRAME STUCK "kill -STOP $$\n",
-         "ffmpeg has been stopped (signal 19) for 60 s, so the video is abandoned", LF_E_TIMEOUT},
+        {ONE_FRAME STOPS, "ffmpeg has been stopped (signal 19) for 60 s, so the video is abandoned",
+         LF_E_TIMEOUT},
     };
     const int before = count_descriptors();
     char path[PATH_MAX];
