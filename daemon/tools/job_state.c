@@ -98,8 +98,7 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
                 said(of, key, b, sizeof b));
 }
 
-/* Describes how a file's job differs from `of`; empty: not at all. */
-static void differences(const json_t *there, const json_t *of, char *words, size_t size)
+void lf_job_state_differences(const json_t *there, const json_t *of, char *words, size_t size)
 {
     static const char *const keys[][2] = {
         {"views", "the number of views"}, {"width", "the views' width"},
@@ -120,41 +119,50 @@ static void differences(const json_t *there, const json_t *of, char *words, size
 
 /* ------------------------------------------------------------------------------------- write -- */
 
-static char *text_of(const json_t *of, const lf_job_progress *p)
+/* The whole head; NULL: out of memory. */
+static json_t *words_of(const json_t *of, const lf_job_progress *p)
 {
     json_t *all = json_copy((json_t *)(uintptr_t)of),
            *progress = json_pack("{s:I, s:f, s:f, s:b}", "passes", (json_int_t)p->times.passes,
                                  "seconds", p->times.seconds, "cpu_seconds", p->times.cpu_seconds,
                                  "complete", p->complete);
-    char *text = all && progress && json_object_update(all, progress) == 0
-                     ? json_dumps(all, JSON_COMPACT)
-                     : NULL;
-    json_decref(all);
+    if (!all || !progress || json_object_update(all, progress) != 0) {
+        json_decref(all);
+        all = NULL;
+    }
     json_decref(progress);
-    return text;
+    return all;
+}
+
+lf_status lf_job_state_put(lf_outfile *file, const json_t *words, lf_error *err)
+{
+    char *text = words ? json_dumps(words, JSON_COMPACT) : NULL;
+    if (!text)
+        return lf_error_set(err, LF_E_NOMEM, file->path, "out of memory");
+    head h = {.version = htole32(VERSION), .n = htole32((uint32_t)strlen(text))};
+    memcpy(h.magic, magic, sizeof magic);
+    h.crc = checksum(&h, text);
+    lf_status status = lf_outfile_write(file, &h, sizeof h, err);
+    if (status == LF_OK)
+        status = lf_outfile_write(file, text, strlen(text), err);
+    free(text);
+    return status;
 }
 
 lf_status lf_job_state_write(const char *path, const json_t *of, const lf_renderer *renderer,
                              const lf_job_progress *progress, lf_error *err)
 {
     lf_outfile file = {.fd = -1};
-    char *text = text_of(of, progress);
-    if (!text)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    head h = {.version = htole32(VERSION), .n = htole32((uint32_t)strlen(text))};
-    memcpy(h.magic, magic, sizeof magic);
-    h.crc = checksum(&h, text);
+    json_t *words = words_of(of, progress);
     lf_status status = lf_outfile_open(&file, path, true, err);
     if (status == LF_OK)
-        status = lf_outfile_write(&file, &h, sizeof h, err);
-    if (status == LF_OK)
-        status = lf_outfile_write(&file, text, strlen(text), err);
+        status = lf_job_state_put(&file, words, err);
     if (status == LF_OK)
         status = lf_renderer_save(renderer, &file, NULL, err);
     if (status == LF_OK)
         status = lf_outfile_commit(&file, true, err);
     lf_outfile_abandon(&file);
-    free(text);
+    json_decref(words);
     return status;
 }
 
@@ -162,12 +170,13 @@ lf_status lf_job_state_write(const char *path, const json_t *of, const lf_render
 
 #define REMEDY "; remove it or pass another --state FILE"
 
-static lf_status damaged(const char *path, const char *what, lf_error *err)
+static lf_status damaged(const char *path, const char *what, const char *remedy, lf_error *err)
 {
-    return lf_error_set(err, LF_E_FORMAT, path, "is damaged (%s)" REMEDY, what);
+    return lf_error_set(err, LF_E_FORMAT, path, "is damaged (%s)%s", what, remedy);
 }
 
-static lf_status read_all(int fd, const char *path, void *data, size_t n, lf_error *err)
+static lf_status read_all(int fd, const char *path, const char *remedy, void *data, size_t n,
+                          lf_error *err)
 {
     char *p = data;
     while (n > 0) {
@@ -177,7 +186,7 @@ static lf_status read_all(int fd, const char *path, void *data, size_t n, lf_err
         if (got < 0)
             return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
         if (got == 0)
-            return damaged(path, "the file ends too early", err);
+            return damaged(path, "the file ends too early", remedy, err);
         p += got;
         n -= (size_t)got;
     }
@@ -201,33 +210,33 @@ static bool is_progress(const json_t *words, lf_job_progress *out)
 }
 
 /* Reads the header, up to the film. */
-static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err)
+static lf_status read_head(int fd, const char *path, const char *remedy, json_t **out,
+                           lf_error *err)
 {
     head h;
     lf_job_progress progress;
-    lf_status status = read_all(fd, path, &h, sizeof h, err);
+    lf_status status = read_all(fd, path, remedy, &h, sizeof h, err);
     if (status != LF_OK)
         return status;
     if (memcmp(h.magic, magic, sizeof magic) != 0)
-        return lf_error_set(err, LF_E_FORMAT, path,
-                            "exists and is not the state of a job; pass another --state FILE");
+        return lf_error_set(err, LF_E_FORMAT, path, "is not the state of a job%s", remedy);
     if (le32toh(h.version) != VERSION)
         return lf_error_set(err, LF_E_STATE, path,
                             "is a state of version %" PRIu32 ", but this program reads version "
-                            "%d" REMEDY,
-                            le32toh(h.version), VERSION);
+                            "%d%s",
+                            le32toh(h.version), VERSION, remedy);
     const uint32_t n = le32toh(h.n);
     if (n > MOST_TEXT)
-        return damaged(path, "its head is too long", err);
+        return damaged(path, "its head is too long", remedy, err);
     char *text = lf_calloc((size_t)n + 1, 1);
     if (!text)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    status = read_all(fd, path, text, n, err);
+    status = read_all(fd, path, remedy, text, n, err);
     if (status == LF_OK && checksum(&h, text) != h.crc)
-        status = damaged(path, "the checksum of its head is wrong", err);
+        status = damaged(path, "the checksum of its head is wrong", remedy, err);
     json_t *words = status == LF_OK ? json_loadb(text, n, 0, NULL) : NULL;
     if (status == LF_OK && !is_progress(words, &progress))
-        status = damaged(path, "its head describes no job", err);
+        status = damaged(path, "its head describes no job", remedy, err);
     lf_free(text);
     if (status == LF_OK)
         *out = words;
@@ -236,14 +245,14 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
     return status;
 }
 
-static lf_status open_head(const char *path, int *out_fd, uint64_t *out_size, json_t **out,
-                           lf_error *err)
+lf_status lf_job_state_open(const char *path, const char *remedy, int *out_fd, uint64_t *out_size,
+                            json_t **out, lf_error *err)
 {
     int fd = -1;
     lf_status status = lf_file_open(path, NULL, UINT64_MAX, &fd, out_size, err);
     if (status != LF_OK)
         return status;
-    status = read_head(fd, path, out, err);
+    status = read_head(fd, path, remedy, out, err);
     if (status == LF_OK)
         *out_fd = fd;
     else
@@ -259,7 +268,7 @@ static lf_status restore_film(int fd, const char *path, lf_renderer *renderer, l
     if (status == LF_OK)
         return LF_OK;
     if (status == LF_E_FORMAT)
-        return damaged(path, why.what, err);
+        return damaged(path, why.what, REMEDY, err);
     return lf_error_set(err, status, path, "%s%s", why.what, status == LF_E_STATE ? REMEDY : "");
 }
 
@@ -269,10 +278,10 @@ lf_status lf_job_state_restore(const char *path, const json_t *of, lf_renderer *
     json_t *there = NULL;
     char words[384];
     int fd = -1;
-    lf_status status = open_head(path, &fd, NULL, &there, err);
+    lf_status status = lf_job_state_open(path, REMEDY, &fd, NULL, &there, err);
     if (status != LF_OK)
         return status;
-    differences(there, of, words, sizeof words);
+    lf_job_state_differences(there, of, words, sizeof words);
     if (words[0] != '\0')
         status = lf_error_set(err, LF_E_STATE, path,
                               "is the state of another job, which differs in %s" REMEDY, words);
@@ -294,14 +303,14 @@ lf_status lf_job_state_info(const char *path, json_t **out, lf_error *err)
     lf_state_id id;
     lf_error why = {0};
     int fd = -1;
-    lf_status status = open_head(path, &fd, &size, &there, err);
+    lf_status status = lf_job_state_open(path, REMEDY, &fd, &size, &there, err);
     if (status != LF_OK)
         return status;
     status = lf_state_look(fd, &id, &why);
     close(fd);
     if (status != LF_OK) {
         json_decref(there);
-        return status == LF_E_FORMAT ? damaged(path, why.what, err)
+        return status == LF_E_FORMAT ? damaged(path, why.what, REMEDY, err)
                                      : lf_error_set(err, status, path, "%s", why.what);
     }
     json_object_set_new(there, "bytes", json_integer((json_int_t)size));

@@ -21,6 +21,17 @@ typedef struct lf_job_progress {
     bool complete; /* the budget was spent */
 } lf_job_progress;
 
+/* Opens a state and reads its head. *out_fd is then at the film; the caller closes it. *out is a
+ * new reference. out_size may be NULL. remedy: the end of errors of bad files, "; …". Errors as of
+ * lf_job_state_restore. */
+LF_NODISCARD lf_status lf_job_state_open(const char *path, const char *remedy, int *out_fd,
+                                         uint64_t *out_size, json_t **out, lf_error *err);
+/* Writes a head; the film follows. LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_job_state_put(lf_outfile *file, const json_t *head, lf_error *err);
+/* How the job of a head differs from `of`, as text after "it differs in"; empty: not at all. The
+ * budget, the progress and the numbers of a merge are no part of it. */
+void lf_job_state_differences(const json_t *there, const json_t *of, char *words, size_t size);
+
 /* Writes path through a temporary file that is renamed. of: from lf_job_state_of. LF_E_IO,
  * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_job_state_write(const char *path, const json_t *of,

@@ -124,11 +124,16 @@ bool lf_film_part_is(const unsigned char head[LF_FILM_HEAD_BYTES], const char *n
     return memcmp(head, name, 4) == 0;
 }
 
+bool lf_film_part_has_size(const unsigned char head[LF_FILM_HEAD_BYTES], uint64_t size)
+{
+    return get_u64(&(reading){head + 8}) == size;
+}
+
 lf_status lf_film_part_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES],
                             const lf_film_part *part, lf_error *err)
 {
     if (!lf_film_part_is(head, part->name) ||
-        get_u64(&(reading){head + 8}) != part->n_made + part->n_bulk)
+        !lf_film_part_has_size(head, part->n_made + part->n_bulk))
         return lf_error_set(err, LF_E_FORMAT, "state",
                             "expected part %s, found other data; the file is damaged", part->name);
     lf_status status = lf_film_bytes_read(fd, part->made, part->n_made, err);

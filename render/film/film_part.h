@@ -28,6 +28,7 @@ LF_NODISCARD lf_status lf_film_part_write(lf_outfile *file, const lf_film_part *
 LF_NODISCARD lf_status lf_film_part_next(int fd, unsigned char head[LF_FILM_HEAD_BYTES],
                                          lf_error *err);
 bool lf_film_part_is(const unsigned char head[LF_FILM_HEAD_BYTES], const char *name);
+bool lf_film_part_has_size(const unsigned char head[LF_FILM_HEAD_BYTES], uint64_t size);
 /* Reads the content of a part whose head has been read, and checks name, size and checksum. */
 LF_NODISCARD lf_status lf_film_part_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES],
                                          const lf_film_part *part, lf_error *err);
