@@ -39,6 +39,15 @@ typedef struct lf_job_merging {
 
 /* --------------------------------------------------------------------------------- one part -- */
 
+static lf_status open_part(const char *path, int *out_fd, json_t **out, lf_error *err)
+{
+    lf_error why = {0};
+    if (lf_job_state_open(path, out_fd, NULL, out, &why) == LF_OK)
+        return LF_OK;
+    return lf_error_set(err, why.status, path, "%s%s", why.what,
+                        why.status == LF_E_FORMAT ? REMEDY : "");
+}
+
 /* Waits until a part is there; opening it tells why it is not. */
 static void wait_for(const lf_job_merging *j, const char *path)
 {
@@ -189,7 +198,7 @@ static lf_status look_at_all(lf_job_merging *j, lf_error *err)
         wait_for(j, j->merge->parts[i]);
         if (j->merge->cancel && atomic_load_explicit(j->merge->cancel, memory_order_relaxed))
             return lf_error_set(err, LF_E_CANCELLED, j->merge->out, "interrupted");
-        status = lf_job_state_open(j->merge->parts[i], REMEDY, &fd, NULL, &head, err);
+        status = open_part(j->merge->parts[i], &fd, &head, err);
         if (status != LF_OK)
             return status;
         status = look_at(j, i, fd, head, err);
@@ -267,7 +276,7 @@ static lf_status open_base(const lf_job_merging *j, json_t **out, int *out_part,
     while (j->heads[lf_merging_at(j->films, k)].film.n_rows == 0)
         k++;
     *out_part = lf_merging_at(j->films, k);
-    lf_status status = lf_job_state_open(j->merge->parts[*out_part], REMEDY, &fd, NULL, out, err);
+    lf_status status = open_part(j->merge->parts[*out_part], &fd, out, err);
     if (status == LF_OK)
         close(fd);
     return status;

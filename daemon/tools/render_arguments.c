@@ -8,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "daemon/output/hld.h"
+#include "daemon/tools/job_state.h"
 
 #define MAX_PASSES (INT64_C(1) << 40)
 
@@ -37,6 +38,22 @@ static const struct option table[] = {
     {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {NULL, 0, NULL, 0},
 };
+
+#define PLACE(field) .place = offsetof(lf_state_arguments, field)
+
+/* clang-format off */
+const lf_param lf_state_params[] = {
+    {.option = "rows", .joined = ":", .argument = "A", PLACE(first_row), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_state_arguments, has_rows), .high = LF_MAX_VIEW_SIDE - 1,
+     .help = "render only image rows A to B, into the file of --state"},
+    {.option = "rows", .argument = "B", PLACE(last_row), .type = LF_PARAM_WHOLE,
+     .high = LF_MAX_VIEW_SIDE - 1},
+    {.option = "stream", .argument = "K", PLACE(stream), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_state_arguments, has_stream), .high = LF_MAX_STREAM,
+     .help = "render random stream K of the seed, into the file of --state"},
+    {0},
+};
+/* clang-format on */
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
@@ -98,8 +115,9 @@ static void print_help(void)
     lf_param_print_help(lf_integrator_params(), NULL);
     lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
     printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
-           "interrupted)\n"
-           "  --state-info FILE      print the contents of a state file as JSON\n"
+           "interrupted)\n");
+    lf_param_print_help(lf_state_params, NULL);
+    printf("  --state-info FILE      print the contents of a state file as JSON\n"
            "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
            "sheet\n"
            "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
@@ -134,11 +152,11 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         a->stats = text;
         return LF_OK;
     case OPTION_STATE:
-        a->state = text;
+        a->state.file = text;
         a->render_option = a->render_option ? a->render_option : "state";
         return LF_OK;
     case OPTION_STATE_INFO:
-        a->state_info = text;
+        a->state.info = text;
         return LF_OK;
     case OPTION_PLAN:
         a->plan = true;
@@ -203,6 +221,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
         a->rgbd_option = row->option;
+    if (params == lf_state_params && !a->render_option)
+        a->render_option = row->option;
     if (params == lf_video_params && !kind)
         take_video_option(a, row->option);
     if (!a->render_option && (params == lf_integrator_params() ||
@@ -421,8 +441,8 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where,
                             "cannot be combined with --%s, which renders nothing", a->kind->option);
-    if (a->stats || a->state)
-        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+    if (a->stats)
+        return lf_error_set(err, LF_E_ARG, "--stats",
                             "cannot be combined with %s; render one frame at a time for it", where);
     if (a->kind == &lf_output_wiggle)
         return lf_error_set(
@@ -496,12 +516,35 @@ static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, 
                                  true, NULL, err);
 }
 
+/* Refuses options that do not go with a part of a picture. */
+static lf_status check_part(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_state_arguments *s = &a->state;
+    const char *where = s->has_rows ? "--rows" : "--stream";
+    const char *other = a->stats                               ? "--stats"
+                        : a->options.target_error > 0          ? "--target-error"
+                        : a->options.target_denoised_error > 0 ? "--target-denoised-error"
+                        : s->has_rows && a->budget.seconds > 0 ? "--time"
+                                                               : NULL;
+    if (!s->file)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "needs --state FILE, which receives what is rendered");
+    if (s->has_rows && s->first_row > s->last_row)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "%d:%d ends before it begins; expected FIRST:LAST with FIRST <= LAST",
+                            s->first_row, s->last_row);
+    if (other)
+        return lf_error_set(err, LF_E_ARG, where, "cannot be combined with %s%s", other,
+                            a->stats ? "" : "; give --spp or --passes");
+    return LF_OK;
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
-    if (a->state_info && (optind < argc || a->out))
+    if (a->state.info && (optind < argc || a->out))
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
-    if (a->state_info)
+    if (a->state.info)
         return LF_OK;
     if (a->of_print.photo || a->of_print.chart_file)
         return check_read_chart(a, optind < argc, err);
@@ -548,6 +591,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         status = choose_reconstruction(a, err);
     if (status == LF_OK)
         status = take_plain_preset(a, err);
+    if (status == LF_OK && lf_state_is_all(&a->state))
+        status = check_part(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
 }
 
@@ -577,6 +622,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_picture_params, NULL, &a->options.photo},
                                      {lf_standing_params, standing, &a->options.standing},
                                      {lf_frames_params, NULL, &a->frames},
+                                     {lf_state_params, NULL, &a->state},
                                      {lf_video_params, NULL, &a->video},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,

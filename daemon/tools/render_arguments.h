@@ -39,15 +39,31 @@ typedef struct lf_print_arguments {
     const char *photo, *chart_file;
 } lf_print_arguments;
 
+/* Options of states. */
+typedef struct lf_state_arguments {
+    const char *file; /* NULL: the accumulation is not saved */
+    const char *info; /* print the head of this state file and nothing else */
+    /* Image rows, inclusive, and a random stream. If either was given, the state is the only
+     * output. */
+    int first_row, last_row, stream;
+    bool has_rows, has_stream;
+} lf_state_arguments;
+extern const lf_param lf_state_params[]; /* of rows and stream */
+
+/* True if the state is the only output. */
+static inline bool lf_state_is_all(const lf_state_arguments *state)
+{
+    return state->has_rows || state->has_stream;
+}
+
 /* The parsed command line. */
 typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
     const char *scene;  /* NULL for a chart */
     const char *out, *stats;
-    const char *state;      /* NULL: the accumulation is not saved */
-    const char *state_info; /* print the header of this state file and nothing else */
-    bool plan;              /* print the expected cost instead of rendering */
-    char *const *argv;      /* the whole command line, ended by NULL */
+    lf_state_arguments state;
+    bool plan;         /* print the expected cost instead of rendering */
+    char *const *argv; /* the whole command line, ended by NULL */
     const lf_output_kind *kind;
     const lf_output_kind *asked, *asked_too; /* the first two kinds whose options were given */
     lf_budget budget; /* passes stays 0 for --spp, and without a budget, until the number of views

@@ -163,3 +163,31 @@ lf_status lf_film_look(int fd, lf_film_layout *out_layout, uint64_t *out_seed, l
     *out_seed = le64toh(seed);
     return LF_OK;
 }
+
+lf_status lf_film_count_rows(int fd, int *out_rows, lf_error *err)
+{
+    unsigned char head[LF_FILM_HEAD_BYTES];
+    lf_film given = {0};
+    lf_status status = lf_film_identity_read(fd, &given, err);
+    if (status != LF_OK)
+        return status;
+    const int height = given.layout.height;
+    bool *visited = lf_calloc((size_t)height, sizeof *visited);
+    lf_film_stream stream = {.rows = lf_calloc((size_t)height, sizeof *stream.rows)};
+    if (!visited || !stream.rows)
+        status = lf_error_set(err, LF_E_NOMEM, "state", "out of memory");
+    while (status == LF_OK && (status = lf_film_part_next(fd, head, err)) == LF_OK &&
+           lf_film_part_is(head, "STRM")) {
+        status = lf_film_stream_read(fd, head, height, &stream, err);
+        for (int row = 0; row < height && status == LF_OK; row++)
+            visited[row] |= lf_film_visited(stream.rows[row].visits);
+    }
+    int n = 0;
+    for (int row = 0; row < height && visited; row++)
+        n += visited[row];
+    lf_free(stream.rows);
+    lf_free(visited);
+    if (status == LF_OK)
+        *out_rows = n;
+    return status;
+}
