@@ -37,7 +37,7 @@ typedef struct lf_job_merging {
     bool same_budget; /* of all parts */
 } lf_job_merging;
 
-/* --------------------------------------------------------------------------------- one part -- */
+/* ---------------------------------------------------------------------------------- one part -- */
 
 static lf_status open_part(const char *path, int *out_fd, json_t **out, lf_error *err)
 {
@@ -64,7 +64,7 @@ static lf_status check_output(const lf_job_merge *merge, int fd, const char *pat
     const bool same = fstat(fd, &part) == 0 && stat(merge->out, &out) == 0 &&
                       part.st_dev == out.st_dev && part.st_ino == out.st_ino;
     return same ? lf_error_set(err, LF_E_ARG, merge->out,
-                               "is the output and the part %s; name another output", path)
+                               "is also the part %s; name another output", path)
                 : LF_OK;
 }
 
@@ -258,14 +258,14 @@ static json_t *budget_of(const lf_job_merging *j, const json_t *base)
                : json_pack("{s:I}", "passes", (json_int_t)j->total.least_passes);
 }
 
-static bool is_complete(const lf_job_merging *j, const json_t *budget)
+static bool is_complete(const lf_job_merging *j, const json_t *budget, int height)
 {
     const lf_merging_total *t = &j->total;
     const json_t *passes = json_object_get(budget, "passes");
     bool all = true;
     for (int i = 0; i < j->merge->n_parts; i++)
         all = all && j->heads[i].complete;
-    return t->n_rows == t->last_row - t->first_row + 1 && t->least_passes == t->most_passes &&
+    return t->n_rows == height && t->least_passes == t->most_passes &&
            (passes ? json_integer_value(passes) == (json_int_t)t->least_passes : all);
 }
 
@@ -297,30 +297,28 @@ static void add_up(const lf_job_merging *j, double *seconds, double *cpu_seconds
     }
 }
 
-/* The head of the result; NULL: out of memory. */
+/* The head of the result, a state of all rows; NULL: out of memory. */
 static json_t *make_head(const lf_job_merging *j, json_t *base, int part, lf_job_merged *out)
 {
     const lf_merging_total *t = &j->total;
-    const bool one = t->n_streams == 1;
+    const lf_merging_file *film = &j->heads[part].film;
     json_t *budget = budget_of(j, base);
     double seconds, cpu_seconds;
     int parts;
     add_up(j, &seconds, &cpu_seconds, &parts);
-    *out = (lf_job_merged){t->n_files,
-                           t->n_streams,
-                           t->first_row,
-                           t->last_row,
-                           t->n_rows,
-                           j->heads[part].film.height,
-                           t->least_passes / j->heads[part].film.n_views,
-                           is_complete(j, budget)};
+    *out = (lf_job_merged){.n_parts = t->n_files,
+                           .n_streams = t->n_streams,
+                           .n_rows = t->n_rows,
+                           .height = film->height,
+                           .spp = t->passes / film->height / film->n_views,
+                           .complete = is_complete(j, budget, film->height)};
     json_t *own = json_pack(
-        "{s:[i, i], s:I, s:i, s:i, s:O, s:I, s:f, s:f, s:b}", "rows", t->first_row, t->last_row,
-        "stream", one ? (json_int_t)j->heads[part].film.stream : 0, "parts", parts, "streams",
-        t->n_streams, "budget", budget, "passes", (json_int_t)t->least_passes, "seconds", seconds,
+        "{s:[i, i], s:I, s:i, s:i, s:O, s:I, s:f, s:f, s:b}", "rows", 0, film->height - 1, "stream",
+        t->n_streams == 1 ? (json_int_t)film->stream : 0, "parts", parts, "streams", t->n_streams,
+        "budget", budget, "passes", (json_int_t)(t->passes / film->height), "seconds", seconds,
         "cpu_seconds", cpu_seconds, "complete", out->complete);
     json_t *head = own && json_object_update(base, own) == 0 ? json_incref(base) : NULL;
-    if (one && head)
+    if (t->n_streams == 1 && head)
         json_object_del(head, "streams");
     json_decref(own);
     json_decref(budget);

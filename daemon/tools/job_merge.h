@@ -21,9 +21,9 @@ typedef struct lf_job_merge {
 /* What the result holds. */
 typedef struct lf_job_merged {
     int n_parts, n_streams; /* without copies */
-    int first_row, last_row, n_rows, height;
-    double spp; /* the least of a row */
-    bool complete;
+    int n_rows, height;
+    double spp;    /* mean over all rows */
+    bool complete; /* all rows have what was asked for */
 } lf_job_merged;
 
 /* Merges the parts and writes out through a temporary file that is renamed. Logs a warning about

@@ -106,7 +106,7 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
                      const json_t *of, const char *key)
 {
     char a[64], b[64];
-    lf_list_add(words, size, "%s (%s, now %s)", what, said(there, key, a, sizeof a),
+    lf_list_add(words, size, "%s (%s, not %s)", what, said(there, key, a, sizeof a),
                 said(of, key, b, sizeof b));
 }
 
@@ -269,7 +269,7 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
     if (status != LF_OK)
         return status;
     if (memcmp(h.magic, magic, sizeof magic) != 0)
-        return lf_error_set(err, LF_E_FORMAT, path, "exists and is not the state of a job");
+        return lf_error_set(err, LF_E_FORMAT, path, "is not the state of a job");
     if (le32toh(h.version) != VERSION)
         return lf_error_set(err, LF_E_STATE, path,
                             "is a state of version %" PRIu32 ", but this program reads version "

@@ -36,6 +36,7 @@ typedef struct lf_merging_total {
     int n_rows, first_row, last_row;
     int least_row, most_row;          /* rows with the least and the most passes */
     double least_passes, most_passes; /* of a row that is there */
+    double passes;                    /* sum over all rows */
     int n_streams;                    /* seeds and numbers */
 } lf_merging_total;
 

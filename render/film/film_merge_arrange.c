@@ -202,6 +202,7 @@ static void sum_up(const lf_merging *m, lf_merging_total *out)
             out->least_passes = out->most_passes = m->passes[row];
         }
         out->last_row = row;
+        out->passes += m->passes[row];
         if (m->passes[row] < out->least_passes) {
             out->least_row = row;
             out->least_passes = m->passes[row];

@@ -237,7 +237,7 @@ lf_status lf_film_identity_read(int fd, lf_film *out, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------- streams and rows -- */
+/* -------------------------------------------------------------------------- streams and rows -- */
 
 static void put_counts(cursor *c, const lf_film_counts *counts)
 {
