@@ -20,8 +20,7 @@
 /* Time for a task to save its state, milliseconds. */
 #define SAVE_MS "60000"
 
-/* ------------------------------------------------------------------------------------ progress --
- */
+/* ---------------------------------------------------------------------------------- progress -- */
 
 typedef struct watcher {
     const lf_farm_job *job;
@@ -55,8 +54,7 @@ static void look_on(void *context)
     lf_log(LF_LOG_INFO, "%d of %d tasks are complete", n, w->job->n_tasks);
 }
 
-/* ---------------------------------------------------------------------------------------- send --
- */
+/* -------------------------------------------------------------------------------------- send -- */
 
 /* Writes the commands of steps to a file in log/. *out_n: how many. */
 static lf_status write_list(const lf_farm_job *job, const bool *wanted, int first, int last,
@@ -206,8 +204,7 @@ static lf_status send_parallel(lf_farm_job *job, const lf_farm_batch *batch, jso
     return status;
 }
 
-/* -------------------------------------------------------------------------------- look, cancel --
- */
+/* ------------------------------------------------------------------------------ look, cancel -- */
 
 /* While it runs it holds the job's lock, so whoever submits does not come here. */
 static lf_status look_parallel(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,

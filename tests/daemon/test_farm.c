@@ -102,8 +102,7 @@ static bool is_there(const char *folder, const char *name)
 #define DIRECT "bin/quiltrender scene.json -o direct --camera-rows 0:2"
 #define SAME "diff -r out direct"
 
-/* ------------------------------------------------------------------------------------ results --
- */
+/* ----------------------------------------------------------------------------------- results -- */
 
 static void tasks_and_a_merge_make_what_one_run_makes(void **state)
 {
@@ -181,8 +180,7 @@ static void the_same_task_twice_at_once_is_harmless(void **state)
     says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
 }
 
-/* ----------------------------------------------------------------------------------- failures --
- */
+/* ---------------------------------------------------------------------------------- failures -- */
 
 static void a_task_that_fails_leaves_its_words(void **state)
 {
@@ -256,8 +254,7 @@ static void a_signal_to_all_processes_saves_the_state(void **state)
     assert_true(is_there(folder, "job/states/task_0_0000.lfstate"));
 }
 
-/* ----------------------------------------------------------------------------------- mistakes --
- */
+/* ---------------------------------------------------------------------------------- mistakes -- */
 
 static void mistakes_on_the_command_line_are_told(void **state)
 {
