@@ -11,6 +11,7 @@
 #include "daemon/tools/job_state.h"
 
 #define MAX_PASSES (INT64_C(1) << 40)
+#define MOST_MINUTES 1e6
 
 enum {
     OPTION_OUT = 'o',
@@ -20,7 +21,11 @@ enum {
     OPTION_STATS,
     OPTION_STATE,
     OPTION_STATE_INFO,
+    OPTION_FILES,
     OPTION_PLAN,
+    OPTION_JSON,
+    OPTION_TASK_MINUTES,
+    OPTION_TASK_MEMORY,
     OPTION_READ_CHART,
     OPTION_CHART_FILE,
 };
@@ -33,7 +38,11 @@ static const struct option table[] = {
     {"stats", required_argument, NULL, OPTION_STATS},
     {"state", required_argument, NULL, OPTION_STATE},
     {"state-info", required_argument, NULL, OPTION_STATE_INFO},
+    {"files", required_argument, NULL, OPTION_FILES},
     {"plan", no_argument, NULL, OPTION_PLAN},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {"task-minutes", required_argument, NULL, OPTION_TASK_MINUTES},
+    {"task-memory", required_argument, NULL, OPTION_TASK_MEMORY},
     {"read-chart", required_argument, NULL, OPTION_READ_CHART},
     {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {NULL, 0, NULL, 0},
@@ -122,8 +131,16 @@ static void print_help(void)
            "sheet\n"
            "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
            "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
+           "  --files FILE.json      write the names, sizes and SHA-256 of all written files as "
+           "JSON\n"
            "  --plan                 print estimated costs and one command per task; render "
-           "nothing\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+           "nothing\n"
+           "  --json                 print the plan as one JSON object\n"
+           "  --task-minutes M       divide the plan into tasks of about M minutes; 0: one light "
+           "field per task (%d)\n"
+           "  --task-memory SIZE     divide the plan into tasks of at most SIZE, such as 2G (no "
+           "limit)\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
+           LF_PLAN_MINUTES);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
@@ -138,6 +155,28 @@ static lf_status take_budget(lf_render_arguments *a, int code, const char *text,
         return lf_parse_int("--spp", text, 1, MAX_PASSES / LF_MAX_VIEWS, &a->spp, err);
     default:
         return lf_parse_double("--time", text, 1e-3, 1e9, &a->budget.seconds, err);
+    }
+}
+
+static lf_status take_plan(lf_render_arguments *a, int code, const char *text, lf_error *err)
+{
+    lf_plan_arguments *p = &a->plan;
+    if (!p->option && code != OPTION_PLAN)
+        p->option = code == OPTION_JSON           ? "json"
+                    : code == OPTION_TASK_MINUTES ? "task-minutes"
+                                                  : "task-memory";
+    switch (code) {
+    case OPTION_JSON:
+        p->json = true;
+        return LF_OK;
+    case OPTION_TASK_MINUTES:
+        return lf_parse_double("--task-minutes", text, 0, MOST_MINUTES, &p->minutes, err);
+    case OPTION_TASK_MEMORY:
+        return lf_parse_bytes("--task-memory", text, &p->memory, err);
+    default:
+        p->on = true;
+        a->render_option = a->render_option ? a->render_option : "plan";
+        return LF_OK;
     }
 }
 
@@ -158,10 +197,14 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_STATE_INFO:
         a->state.info = text;
         return LF_OK;
-    case OPTION_PLAN:
-        a->plan = true;
-        a->render_option = a->render_option ? a->render_option : "plan";
+    case OPTION_FILES:
+        a->files = text;
         return LF_OK;
+    case OPTION_PLAN:
+    case OPTION_JSON:
+    case OPTION_TASK_MINUTES:
+    case OPTION_TASK_MEMORY:
+        return take_plan(a, code, text, err);
     case OPTION_READ_CHART:
         a->of_print.photo = text;
         return LF_OK;
@@ -219,8 +262,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->depth.option = row->option;
     if (params == lf_simulate_params && !a->of_print.simulate.first)
         a->of_print.simulate.first = row->option;
-    if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
-        a->rgbd_option = row->option;
+    if (params == lf_rgbd_params && !kind && !is_inversion && !a->depth.rgbd)
+        a->depth.rgbd = row->option;
     if (params == lf_state_params && !a->render_option)
         a->render_option = row->option;
     if (params == lf_video_params && !kind)
@@ -318,8 +361,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
                                      : "is missing; give WxH in mm");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, reads_panel, err);
-    if (!a->kind->layers && a->rgbd_option)
-        return refuse_option(a->rgbd_option, reads_rgbd, err);
+    if (!a->kind->layers && a->depth.rgbd)
+        return refuse_option(a->depth.rgbd, reads_rgbd, err);
     if (check_video(a, err) != LF_OK)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
@@ -567,9 +610,14 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
     if (take_batch(a, err) != LF_OK)
         return err->status;
-    if (a->depth.batch && a->stats)
-        return lf_error_set(err, LF_E_ARG, "--stats",
+    if (a->depth.batch && (a->stats || a->files))
+        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--files",
                             "cannot be combined with a folder of images with depth");
+    if (a->plan.option && !a->plan.on) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->plan.option);
+        return lf_error_set(err, LF_E_ARG, where, "needs --plan");
+    }
     a->budget.target_error = a->options.target_error;
     a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
@@ -633,7 +681,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .take = take,
                                     .taken = taken,
                                     .context = a};
-    *a = (lf_render_arguments){.argv = argv};
+    *a = (lf_render_arguments){.argv = argv, .plan.minutes = LF_PLAN_MINUTES};
     lf_param_defaults(lf_print_params, &a->print);
     lf_param_defaults(lf_video_params, &a->video);
     lf_param_defaults(lf_standing_params, &a->options.standing);

@@ -436,6 +436,8 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     lf_status status = check_not_input(r->path, a->scene, err);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
+    if (status == LF_OK && a->files)
+        status = check_not_input(a->files, a->scene, err);
     if (status == LF_OK && a->state.file)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
@@ -443,7 +445,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     if (status == LF_OK && a->kind->check_print &&
         lf_print_check_wanted(&a->of_print.check, r->path))
         status = lf_print_check_room_beside(r->path, err);
-    if (status == LF_OK && a->kind->check_print && !a->plan && !lf_state_is_all(&a->state))
+    if (status == LF_OK && a->kind->check_print && !a->plan.on && !lf_state_is_all(&a->state))
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
@@ -496,6 +498,8 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     lf_free(first);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
+    if (status == LF_OK && a->files)
+        status = check_folder_of(a->files, err);
     if (status == LF_OK && a->state.file)
         status = check_folder_of(a->state.file, err);
     return status;
@@ -565,7 +569,7 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                                       : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
-    if (status == LF_OK && is_track && !r->arguments->plan &&
+    if (status == LF_OK && is_track && !r->arguments->plan.on &&
         !lf_state_is_all(&r->arguments->state))
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)

@@ -179,10 +179,9 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_find(lf_integrator_params(), option) &&
             !lf_param_find(lf_standing_params, option) &&
-            !lf_param_find(lf_simulate_params, option) &&
-            !lf_param_find(lf_state_params, option) &&
-            !lf_param_among(&own, "passes spp time state state-info stats plan read-chart "
-                                  "chart-file help completion"))
+            !lf_param_find(lf_simulate_params, option) && !lf_param_find(lf_state_params, option) &&
+            !lf_param_among(&own, "passes spp time state state-info stats files plan json "
+                                  "task-minutes task-memory read-chart chart-file help completion"))
             fail_msg("--%s is in no table", option);
         n++;
     }

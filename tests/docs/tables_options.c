@@ -45,7 +45,8 @@ static const struct group {
      "socket device state allow-path export-dir buttons web playlist seconds crossfade watch "
      "run-for"},
     {"quiltrender", lf_state_params, NULL, NULL, "quiltrender",
-     "state state-info stats plan read-chart chart-file"},
+     "state state-info stats files plan json task-minutes task-memory read-chart "
+     "chart-file"},
     {"every", NULL, NULL, NULL, "quiltd", "help version completion"},
 };
 enum { N_GROUPS = sizeof groups / sizeof *groups };
