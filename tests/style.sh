@@ -93,7 +93,8 @@ daemon/engine: daemon/media daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
 daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
-daemon/tools: daemon/media/movie.h daemon/output daemon/wire daemon/server daemon/parts/doctor.h
+daemon/farm: daemon/output/options.h
+daemon/tools: daemon/media/movie.h daemon/output daemon/farm/farm.h daemon/wire daemon/server daemon/parts/doctor.h
 daemon/web: daemon/output/options.h daemon/wire
 base:
 base/sandbox: base
@@ -354,7 +355,7 @@ reading_libraries() { # programs
     done
 }
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
-    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltprint quiltsim quiltbench quiltweb)"
+    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb)"
 else
     report reading_libraries "the rule does not see what quiltimport needs"
 fi

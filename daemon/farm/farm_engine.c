@@ -12,11 +12,6 @@ const char *lf_farm_engine_name(int index)
     return index < N_ENGINES ? engines[index]->name : NULL;
 }
 
-const char *lf_farm_engine_what(int index)
-{
-    return index < N_ENGINES ? engines[index]->what : NULL;
-}
-
 const lf_farm_engine *lf_farm_engine_find(const char *name)
 {
     for (int i = 0; i < N_ENGINES; i++)

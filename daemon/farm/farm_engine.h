@@ -24,7 +24,7 @@ typedef struct lf_farm_queue {
 } lf_farm_queue;
 
 struct lf_farm_engine {
-    const char *name, *what; /* for --help */
+    const char *name;
     /* Sends all wanted steps: tasks, and finishes that begin when the tasks that they need are
      * complete. Adds what `look` and `cancel` need to `sent`, which the caller has written before
      * to sent.json and writes again after it. An engine may run everything before it returns. Then
@@ -42,7 +42,6 @@ extern const lf_farm_engine lf_farm_slurm, lf_farm_parallel, lf_farm_list;
 
 /* The name of an engine; NULL after the last. */
 const char *lf_farm_engine_name(int index);
-const char *lf_farm_engine_what(int index);
 /* NULL: there is none of this name. */
 const lf_farm_engine *lf_farm_engine_find(const char *name);
 

@@ -66,6 +66,18 @@ lf_status lf_farm_read_steps(const char *text, int n, int out[2], lf_error *err)
     return LF_OK;
 }
 
+void lf_farm_step_fields(const lf_farm_job *job, int step, int out[2])
+{
+    const lf_farm_step *s = &job->steps[step];
+    out[0] = s->fields[0];
+    out[1] = s->fields[1];
+    for (int i = s->tasks[0]; s->fields[0] < 0 && step >= job->n_tasks && i <= s->tasks[1]; i++) {
+        const int *of = job->steps[i].fields;
+        out[0] = i == s->tasks[0] || of[0] < out[0] ? of[0] : out[0];
+        out[1] = of[1] > out[1] ? of[1] : out[1];
+    }
+}
+
 char *lf_farm_step_state(const lf_farm_job *job, int step, int field)
 {
     char name[LF_FARM_STEP_NAME];
@@ -204,18 +216,26 @@ static lf_status read_steps(lf_farm_job *job, lf_error *err)
     return LF_OK;
 }
 
+static bool are_words(const json_t *list)
+{
+    for (size_t i = 0; i < json_array_size(list); i++)
+        if (!json_is_string(json_array_get(list, i)))
+            return false;
+    return json_is_array(list);
+}
+
 static lf_status read_plan(lf_farm_job *job, lf_error *err)
 {
     job->plan = json_object_get(job->json, "plan");
     job->command = json_object_get(job->plan, "command");
+    job->join = json_object_get(job->plan, "join");
     job->folder = json_string_value(json_object_get(job->json, "folder"));
     job->field_option = json_string_value(json_object_get(job->plan, "field_option"));
     job->threads = (int)json_integer_value(json_object_get(job->plan, "threads"));
     if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1)
         return bad_plan(job->path, "a key is missing", err);
-    for (size_t i = 0; i < json_array_size(job->command); i++)
-        if (!json_is_string(json_array_get(job->command, i)))
-            return bad_plan(job->path, "its command is no list of words", err);
+    if (!are_words(job->command) || (job->join && !are_words(job->join)))
+        return bad_plan(job->path, "its command is no list of words", err);
     return read_steps(job, err);
 }
 

@@ -25,7 +25,7 @@ typedef struct lf_farm_step {
     int rows[2];                /* of tasks: image rows; such a task makes states only */
     int tasks[2];               /* of finishes: the tasks that it needs */
     int finish;                 /* of tasks: the step of the finish that needs it; -1: none */
-    double cpu_seconds, memory; /* planned; bytes of the whole process */
+    double cpu_seconds, memory; /* planned; bytes of the whole process; 0: unknown */
 } lf_farm_step;
 
 typedef struct lf_farm_engine lf_farm_engine;
@@ -36,6 +36,7 @@ typedef struct lf_farm_job {
     json_t *json; /* job.json */
     const lf_farm_engine *engine;
     const json_t *plan, *command; /* borrowed from json */
+    const json_t *join;           /* words of the finish, without the program; NULL: as tasks */
     const char *folder;           /* that words of the command are relative to */
     const char *field_option;     /* NULL: no fields */
     int n_tasks, n_finishes;
@@ -67,6 +68,9 @@ const char *lf_farm_step_name(const lf_farm_job *job, int step, char buf[LF_FARM
 const char *lf_farm_step_text(const lf_farm_job *job, int step, char buf[LF_FARM_STEP_NAME]);
 /* Reads "K" or "K:L", numbers of n steps from 0; L is cut to the last. LF_E_ARG. */
 LF_NODISCARD lf_status lf_farm_read_steps(const char *text, int n, int out[2], lf_error *err);
+/* The light fields whose states a step has; -1 to -1: one without a number. A finish without fields
+ * has those of its tasks. */
+void lf_farm_step_fields(const lf_farm_job *job, int step, int out[2]);
 /* The state of a step's light field (-1: the step has no fields); caller frees with lf_free. NULL =
  * out of memory. */
 char *lf_farm_step_state(const lf_farm_job *job, int step, int field);

@@ -44,8 +44,5 @@ static lf_status cancel_list(const lf_farm_job *job, const json_t *sent, lf_erro
                         "quiltfarm does not know its farm; end the tasks there");
 }
 
-const lf_farm_engine lf_farm_list = {.name = "list",
-                                     .what = "prints one command per line for any other farm",
-                                     .send = send_list,
-                                     .look = look_list,
-                                     .cancel = cancel_list};
+const lf_farm_engine lf_farm_list = {
+    .name = "list", .send = send_list, .look = look_list, .cancel = cancel_list};

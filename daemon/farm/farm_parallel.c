@@ -258,8 +258,4 @@ static lf_status cancel_parallel(const lf_farm_job *job, const json_t *sent, lf_
 }
 
 const lf_farm_engine lf_farm_parallel = {
-    .name = "parallel",
-    .what = "GNU parallel, on this machine or over ssh; submit runs until all is done",
-    .send = send_parallel,
-    .look = look_parallel,
-    .cancel = cancel_parallel};
+    .name = "parallel", .send = send_parallel, .look = look_parallel, .cancel = cancel_parallel};

@@ -23,7 +23,6 @@ const lf_param lf_farm_params[] = {
      .help = "plan: what runs the tasks",
      .type = LF_PARAM_NAME,
      .word_at = lf_farm_engine_name,
-     .what_at = lf_farm_engine_what,
      .place = offsetof(lf_farm_options, engine)},
     {.option = "task-minutes",
      .argument = "M",
@@ -135,14 +134,19 @@ static void print_cost(const lf_farm_job *job, int slots)
     if (job->n_finishes > 0)
         printf(" and %d finish%s", job->n_finishes, job->n_finishes == 1 ? "" : "es");
     printf(", for %s\n", job->engine->name);
-    printf("  work        %s of CPU time; the longest task %s\n",
-           lf_farm_seconds(c.tasks + c.finishes, a, sizeof a),
-           lf_farm_seconds(c.longest, b, sizeof b));
-    print_wall(job, &c, slots);
+    if (c.longest > 0) {
+        printf("  work        %s of CPU time; the longest task %s\n",
+               lf_farm_seconds(c.tasks + c.finishes, a, sizeof a),
+               lf_farm_seconds(c.longest, b, sizeof b));
+        print_wall(job, &c, slots);
+    } else {
+        printf("  work        unknown: an error ends it\n");
+    }
     printf("  a task      %d threads, at most %s of memory\n", job->threads,
            lf_farm_bytes(c.memory, a, sizeof a));
+    const double files = plan_number(job, "files_bytes");
     printf("  disk        %s of files, at most %s of states\n",
-           lf_farm_bytes(plan_number(job, "files_bytes"), a, sizeof a),
+           files > 0 ? lf_farm_bytes(files, a, sizeof a) : "an unknown size",
            lf_farm_bytes(all_states(job), b, sizeof b));
     printf("next: quiltfarm submit %s\n", job->path);
 }

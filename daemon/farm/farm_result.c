@@ -279,8 +279,9 @@ void lf_farm_result_forgive(const lf_farm_job *job, int step)
 
 static void remove_states(const lf_farm_job *job, int step)
 {
-    const lf_farm_step *s = &job->steps[step];
-    for (int field = s->fields[0]; field <= s->fields[1]; field++) {
+    int fields[2];
+    lf_farm_step_fields(job, step, fields);
+    for (int field = fields[0]; field <= fields[1]; field++) {
         char *path = lf_farm_step_state(job, step, field);
         if (path)
             (void)unlink(path);

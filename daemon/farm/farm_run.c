@@ -82,10 +82,14 @@ static void add_path(lf_farm_words *words, char *path)
 static void add_command(const runner *r, lf_farm_words *words)
 {
     const lf_farm_step *s = &r->job->steps[r->step];
+    const bool joins = r->step >= r->job->n_tasks && r->job->join;
     char name[LF_FARM_STEP_NAME];
     lf_farm_words_add(words, "%s", RENDERER);
-    lf_farm_words_add_json(words, r->job->command, 1);
-    if (s->fields[0] >= 0) {
+    if (joins)
+        lf_farm_words_add_json(words, r->job->join, 0);
+    else
+        lf_farm_words_add_json(words, r->job->command, 1);
+    if (s->fields[0] >= 0 && !joins) {
         lf_farm_words_add(words, "%s", r->job->field_option);
         lf_farm_words_add(words, "%d:%d", s->fields[0], s->fields[1]);
     }
@@ -249,8 +253,10 @@ static lf_status run_finish(runner *r, lf_error *err)
 {
     const lf_farm_step *s = &r->job->steps[r->step];
     const bool merges = needs_merge(r->job, s);
+    int fields[2];
+    lf_farm_step_fields(r->job, r->step, fields);
     lf_status status = wait_for_tasks(r->job, r->step, err);
-    for (int field = s->fields[0]; field <= s->fields[1] && merges && status == LF_OK; field++)
+    for (int field = fields[0]; field <= fields[1] && merges && status == LF_OK; field++)
         status = merge_field(r, field, err);
     return status == LF_OK ? render(r, merges, err) : status;
 }

@@ -182,7 +182,8 @@ static void ask_for(const lf_farm_job *job, int first, int last, int stride, lf_
     const double minutes = LEAST_MINUTES + MORE_TIME * stride * cpu / (60.0 * job->threads);
     lf_farm_words_add(words, "--cpus-per-task=%d", job->threads);
     lf_farm_words_add(words, "--mem=%.0fM", MORE_MEMORY * memory / 1048576 + 1);
-    lf_farm_words_add(words, "--time=%.0f", minutes);
+    if (cpu > 0)
+        lf_farm_words_add(words, "--time=%.0f", minutes);
 }
 
 static lf_status add_script(const lf_farm_job *job, bool is_task, int first, int stride,
@@ -487,8 +488,5 @@ static lf_status cancel_slurm(const lf_farm_job *job, const json_t *sent, lf_err
     return status;
 }
 
-const lf_farm_engine lf_farm_slurm = {.name = "slurm",
-                                      .what = "job arrays of a Slurm cluster",
-                                      .send = send_slurm,
-                                      .look = look_slurm,
-                                      .cancel = cancel_slurm};
+const lf_farm_engine lf_farm_slurm = {
+    .name = "slurm", .send = send_slurm, .look = look_slurm, .cancel = cancel_slurm};
