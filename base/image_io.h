@@ -107,7 +107,7 @@ typedef struct lf_channels32 {
     bool is_half;        /* stored as halfs, rounded to nearest; otherwise as floats */
 } lf_channels32;
 
-/* EXR, 32-bit float or half, ZIP scan lines, with these channels; otherwise like lf_exr_write_rows. */
+/* EXR, float or half, ZIP scan lines, with these channels; otherwise like lf_exr_write_rows. */
 LF_NODISCARD lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
                                              const lf_channels32 *channels,
                                              const lf_attribute *attributes, int n, lf_error *err);

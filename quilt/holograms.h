@@ -115,7 +115,7 @@ bool lf_plate_is_finished(const lf_plate *plate, const char *folder, const json_
 LF_NODISCARD lf_status lf_plate_begin(const lf_plate *plate, const char *folder,
                                       const json_t *facts, bool replace, lf_error *err);
 
-/* -------------------------------------------------------------------------------- raw files -- */
+/* --------------------------------------------------------------------------------- raw files -- */
 
 /* A raw file: this many bytes of header, then samples [hy][hx][v][u][channel], little-endian.
  *

@@ -11,7 +11,7 @@
  * straight track, up to 1280 frames; the angle is the scene's. */
 static const lf_hologram_preset presets[] = {
     {.name = "litiholo",
-     .what = "LitiHolo desktop printer: 23 views over 45 degrees, 4x5 in",
+     .what = "23 views, 45 degrees, 4x5 in",
      .views = 23,
      .width = 1600,
      .height = 2000,
@@ -19,7 +19,7 @@ static const lf_hologram_preset presets[] = {
      .width_mm = 101.6,
      .height_mm = 127},
     {.name = "track",
-     .what = "services such as RabbitHoles: 1280 frames of a camera on a straight track",
+     .what = "1280 frames on a straight track",
      .views = 1280,
      .height = 768,
      .on_track = true},

@@ -224,12 +224,10 @@ static json_t *number_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-static json_t *pair(const double of[2], double scale)
+/* [x, y], or null if both are 0. */
+static json_t *pair(const double of[2])
 {
-    json_t *made = json_array();
-    for (int i = 0; i < 2; i++)
-        json_array_append_new(made, of[i] > 0 ? json_real(of[i] * scale) : json_null());
-    return made;
+    return of[0] > 0 || of[1] > 0 ? json_pack("[f,f]", of[0], of[1]) : json_null();
 }
 
 static json_t *aperture_of(const lf_camera *camera, const double spacing[2])
@@ -250,7 +248,7 @@ static json_t *cameras_of(const lf_camera *camera)
     find_spacing(camera, spacing);
     json_t *made =
         json_pack("{s:i, s:i, s:o, s:o}", "columns", columns_of(camera), "rows", rows_of(camera),
-                  "spacing", pair(spacing, 1), "aperture", aperture_of(camera, spacing));
+                  "spacing", pair(spacing), "aperture", aperture_of(camera, spacing));
     const double high = 0.5 * camera->fov_y, wide = atan(tan(high) * camera->aspect);
     if (is_cell(camera))
         json_object_set_new(made, "fov",
@@ -280,7 +278,7 @@ json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *pl
     const double a_unit = size[0] > 0 ? mm[0] / size[0] : 0;
     json_t *made =
         json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:s?, s:o}", "quiltd", LF_VERSION, "plate_mm",
-                  pair(mm, 1), "hogel_pitch_mm", pair(pitch, 1), "plate", pair(size, 1),
+                  pair(mm), "hogel_pitch_mm", pair(pitch), "plate", pair(size),
                   "mm_per_unit", a_unit > 0 ? json_real(a_unit) : json_null(), "cameras",
                   cameras_of(camera), "preset", options->preset, "settings", recorded);
     if (made && depth)

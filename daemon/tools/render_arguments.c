@@ -204,8 +204,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->depth.option = row->option;
     if (params == lf_simulate_params && !a->of_print.simulate.first)
         a->of_print.simulate.first = row->option;
-    if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
-        a->rgbd_option = row->option;
+    if (params == lf_rgbd_params && !kind && !is_inversion && !a->depth.of_rgbd)
+        a->depth.of_rgbd = row->option;
     if (params == lf_hologram_params && !kind && !a->hologram.option)
         a->hologram.option = row->option;
     if (params == lf_video_params && !kind)
@@ -322,8 +322,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
                                      : "is missing; give WxH in mm");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, reads_panel, err);
-    if (!a->kind->layers && a->rgbd_option)
-        return refuse_option(a->rgbd_option, reads_rgbd, err);
+    if (!a->kind->layers && a->depth.of_rgbd)
+        return refuse_option(a->depth.of_rgbd, reads_rgbd, err);
     if (check_video(a, err) != LF_OK || check_hologram(a, err) != LF_OK)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))

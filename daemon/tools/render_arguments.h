@@ -20,8 +20,9 @@
 
 /* Options of pictures with depth. */
 typedef struct lf_depth_arguments {
-    bool inverts;       /* --depth-inversion was given; of --rgbd and of pictures with depth */
-    const char *option; /* the first option that needs a picture with depth */
+    bool inverts;        /* --depth-inversion was given; of --rgbd and of pictures with depth */
+    const char *option;  /* the first option that needs a picture with depth */
+    const char *of_rgbd; /* the first option that needs --rgbd */
     /* The folder that gets one output for each picture with depth in the folder `scene` (batch.h);
      * `out` is then a name for checks. NULL: one output */
     const char *batch;
@@ -69,7 +70,6 @@ typedef struct lf_render_arguments {
     lf_print print;           /* of the options alone */
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */
-    const char *rgbd_option;  /* the first option that needs --rgbd */
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
     lf_hologram_arguments hologram;

@@ -41,8 +41,8 @@ LF_NODISCARD lf_status lf_plate_picture_write(const lf_plate *plate, const char 
                                               int height, const uint8_t *samples, lf_error *err);
 
 /* Half floats, rounded to nearest, ties to even. Beyond the range: the largest; NaN: 0. */
-uint16_t lf_half_of(float value);
-float lf_half_value(uint16_t half);
+uint16_t lf_plate_half(float value);
+float lf_plate_half_value(uint16_t half);
 
 /* Headers of raw files: of the field, and of a task. */
 void lf_plate_field_header(const lf_plate *plate, uint8_t out[LF_PLATE_HEADER]);

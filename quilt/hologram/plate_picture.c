@@ -76,7 +76,7 @@ static void fill_row(void *context, int y, float *row)
     const half_picture *picture = context;
     const uint8_t *from = picture->samples + 2 * picture->row * (size_t)y;
     for (size_t i = 0; i < picture->row; i++)
-        row[i] = lf_half_value((uint16_t)(from[2 * i] | from[2 * i + 1] << 8));
+        row[i] = lf_plate_half_value((uint16_t)(from[2 * i] | from[2 * i + 1] << 8));
 }
 
 static lf_status write_exr(lf_outfile *file, int width, int height, int n_channels,

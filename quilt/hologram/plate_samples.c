@@ -20,7 +20,7 @@ size_t lf_plate_pixel_bytes(const lf_plate *plate)
 
 /* ------------------------------------------------------------------------------------- halfs -- */
 
-uint16_t lf_half_of(float value)
+uint16_t lf_plate_half(float value)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
@@ -36,7 +36,7 @@ uint16_t lf_half_of(float value)
     return sign | (uint16_t)(half + (rest > 0x1000 || (rest == 0x1000 && (half & 1))));
 }
 
-float lf_half_value(uint16_t half)
+float lf_plate_half_value(uint16_t half)
 {
     const int exponent = half >> 10 & 31, mantissa = half & 1023;
     const float size = exponent == 0 ? ldexpf((float)mantissa, -24)
@@ -77,7 +77,7 @@ static void encode_run(const lf_plate *plate, const lf_tone *tone, size_t n, con
         light[i] = luminance(&light[3 * i]);
     for (size_t i = 0; i < n * channels; i++) {
         const double code = plate->is_grey ? (double)light[i] : srgb_code((double)light[i]);
-        put_16(is_half ? lf_half_of(light[i]) : (uint16_t)lrint(fmin(fmax(code, 0), 1) * 65535),
+        put_16(is_half ? lf_plate_half(light[i]) : (uint16_t)lrint(fmin(fmax(code, 0), 1) * 65535),
                out + 2 * i);
     }
 }

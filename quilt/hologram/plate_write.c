@@ -154,8 +154,7 @@ static lf_status write_pictures(picture_job *job, int n, lf_error *err)
     return status == LF_OK ? LF_OK : lf_error_set(err, status, job->folder, "cancelled");
 }
 
-/* -------------------------------------------------------------------------------------- tasks --
- */
+/* ------------------------------------------------------------------------------------- tasks -- */
 
 static lf_status write_task_file(const lf_plate *plate, const char *folder, int task,
                                  const uint8_t *data, lf_error *err)
@@ -204,8 +203,7 @@ lf_status lf_plate_write_task(const lf_plate *plate, const char *folder, int tas
     return write_pictures(&job, n, err);
 }
 
-/* ------------------------------------------------------------------------------ the whole plate --
- */
+/* --------------------------------------------------------------------------- the whole plate -- */
 
 /* Reads n cameras of a task from `first` on, and of each the pixel rows [y0, y0 + rows). */
 static lf_status read_task(const lf_plate *plate, const char *folder, int task, int first, int n,
