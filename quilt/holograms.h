@@ -82,6 +82,10 @@ int lf_plate_task_files(const lf_plate *plate);
 /* The i-th file of a task; the name is relative to the plate's folder. Caller frees with lf_free;
  * NULL = out of memory. */
 char *lf_plate_task_file(const lf_plate *plate, int task, int i);
+/* The files of a finished plate, in the order of the manifest. The i-th name, relative to the
+ * folder; i = lf_plate_n_files: manifest.json. Caller frees; NULL = out of memory. */
+int lf_plate_n_files(const lf_plate *plate);
+char *lf_plate_file(const lf_plate *plate, int i);
 /* True if all files of a task are in the folder. Of rows/r%03d.raw header and size are checked,
  * too. */
 bool lf_plate_has_task(const lf_plate *plate, const char *folder, int task);

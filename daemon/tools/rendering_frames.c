@@ -30,7 +30,8 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
 {
     r->sequence.frame = frame;
     lf_status status = lf_rendering_name(r, frame, err);
-    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && !r->video && is_there(r);
+    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && !r->video &&
+                !lf_state_is_all(&r->arguments->state) && is_there(r);
     return status;
 }
 
@@ -112,7 +113,7 @@ static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_
         status = lf_rendering_check_outputs(r, err);
     if (status == LF_OK)
         status = lf_rendering_run(r, err);
-    if (status == LF_OK)
+    if (status == LF_OK && !lf_state_is_all(&r->arguments->state))
         status = lf_rendering_write(r, err);
     r->sequence.n_done += status == LF_OK;
     return status;
@@ -143,7 +144,7 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
     const lf_video_options options = lf_rendering_video_options(r);
     bool *wanted = lf_calloc((size_t)lf_frames_count(&a->frames), sizeof *wanted);
     lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
-    if (status == LF_OK && a->kind == &lf_output_video)
+    if (status == LF_OK && a->kind == &lf_output_video && !lf_state_is_all(&a->state))
         status = lf_video_create(r->path, &r->layout, &options, r->cancel, &r->video, err);
     if (status == LF_OK)
         status = count_frames(r, wanted, err);

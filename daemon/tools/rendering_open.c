@@ -411,9 +411,9 @@ static lf_status check_state(const lf_rendering *r, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     char *manifest = a->kind->check_print ? lf_output_file_name(a->kind, r->path, 1) : NULL;
     const char *const written[] = {r->path, a->stats, manifest};
-    lf_status status = check_not_input(a->state, a->scene, err);
+    lf_status status = check_not_input(a->state.file, a->scene, err);
     for (size_t i = 0; i < sizeof written / sizeof *written && status == LF_OK; i++)
-        if (written[i] && is_same_file(a->state, written[i]))
+        if (written[i] && is_same_file(a->state.file, written[i]))
             status = lf_error_set(err, LF_E_ARG, "--state",
                                   "names the same file as another output: %s", written[i]);
     lf_free(manifest);
@@ -446,14 +446,16 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     lf_status status = check_not_input(r->path, a->scene, err);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
-    if (status == LF_OK && a->state)
+    if (status == LF_OK && a->files)
+        status = check_not_input(a->files, a->scene, err);
+    if (status == LF_OK && a->state.file)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
     if (status == LF_OK && a->kind->check_print &&
         lf_print_check_wanted(&a->of_print.check, r->path))
         status = lf_print_check_room_beside(r->path, err);
-    if (status == LF_OK && a->kind->check_print && !a->plan)
+    if (status == LF_OK && a->kind->check_print && !a->plan.on && !lf_state_is_all(&a->state))
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
@@ -500,13 +502,16 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     char *first = out_of(r, r->sequence.frame);
-    lf_status status = first ? check_folder_of(first, err)
-                             : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
+    lf_status status = !first ? lf_error_set(err, LF_E_NOMEM, a->out, "out of memory")
+                       : lf_state_is_all(&a->state) ? LF_OK
+                                                    : check_folder_of(first, err);
     lf_free(first);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
-    if (status == LF_OK && a->state)
-        status = check_folder_of(a->state, err);
+    if (status == LF_OK && a->files)
+        status = check_folder_of(a->files, err);
+    if (status == LF_OK && a->state.file)
+        status = check_folder_of(a->state.file, err);
     return status;
 }
 
@@ -577,7 +582,8 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                                       : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
-    if (status == LF_OK && is_track && !r->arguments->plan)
+    if (status == LF_OK && is_track && !r->arguments->plan.on &&
+        !lf_state_is_all(&r->arguments->state))
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
@@ -670,8 +676,10 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = open_input(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
         status = provide_for_views(r, err);
-    if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)
-        status = lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+    if (status == LF_OK && lf_state_is_all(&a->state) && r->scene)
+        status = lf_rendering_state_fits(r, err);
+    if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
+        status = lf_error_set(err, LF_E_ARG, "--stats",
                               "supports one row of cameras, but the scene has several; render them "
                               "with --camera-rows");
     if (status == LF_OK)

@@ -142,7 +142,7 @@ lf_status lf_rendering_plate_begin(lf_rendering *r, lf_error *err)
     if (!job->facts)
         return lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
     job->is_finished = !frames->overwrite && lf_plate_is_finished(&job->plate, r->path, job->facts);
-    if (job->arguments.plan)
+    if (job->arguments.plan.on || lf_state_is_all(&job->arguments.state))
         return LF_OK;
     return lf_plate_begin(&job->plate, r->path, job->facts,
                           frames->overwrite && job->arguments.hologram.all_rows, err);
@@ -150,12 +150,22 @@ lf_status lf_rendering_plate_begin(lf_rendering *r, lf_error *err)
 
 int lf_rendering_plate_files(const lf_rendering *r)
 {
-    return lf_plate_task_files(&r->sequence.plate->plate);
+    const lf_plate_job *job = r->sequence.plate;
+    return job->arguments.hologram.all_rows
+               ? lf_plate_n_files(&job->plate) + 1
+               : lf_frames_count(&job->arguments.frames) * lf_plate_task_files(&job->plate);
 }
 
-char *lf_rendering_plate_file(const lf_rendering *r, int row, int i)
+char *lf_rendering_plate_file(const lf_rendering *r, int i)
 {
-    return lf_plate_task_file(&r->sequence.plate->plate, row, i);
+    const lf_plate_job *job = r->sequence.plate;
+    const int n = lf_plate_task_files(&job->plate), first = job->arguments.frames.first;
+    char *name = job->arguments.hologram.all_rows
+                     ? lf_plate_file(&job->plate, i)
+                     : lf_plate_task_file(&job->plate, first + i / n, i % n),
+         *path = name ? lf_path_join(r->path, name) : NULL;
+    lf_free(name);
+    return path;
 }
 
 bool lf_rendering_plate_has(const lf_rendering *r, int row)
@@ -184,7 +194,7 @@ static void show(void *context, double fraction)
 lf_status lf_rendering_plate_finish(lf_rendering *r, lf_error *err)
 {
     const lf_plate_job *job = r->sequence.plate;
-    if (!job || !job->arguments.hologram.all_rows)
+    if (!job || !job->arguments.hologram.all_rows || lf_state_is_all(&job->arguments.state))
         return LF_OK;
     const lf_output_request request = {.kind = &lf_output_hologram,
                                        .path = r->path,

@@ -14,10 +14,11 @@ LF_NODISCARD lf_status lf_rendering_plate_rig(lf_rendering *r, lf_error *err);
  * what its rows are. LF_E_ARG; LF_E_EXISTS: the folder has rows of another plate. */
 LF_NODISCARD lf_status lf_rendering_plate_begin(lf_rendering *r, lf_error *err);
 
-/* For a plate only: the number of tasks that must be there before the plate can be finished, and
- * the files of a task; the i-th name is relative to r->path. Caller frees; NULL = out of memory. */
+/* For a plate only: the number of files of this run, which are those of its rows or, without
+ * --camera-rows, those of the plate and the manifest. The i-th name; caller frees; NULL = out of
+ * memory. */
 int lf_rendering_plate_files(const lf_rendering *r);
-char *lf_rendering_plate_file(const lf_rendering *r, int row, int i);
+char *lf_rendering_plate_file(const lf_rendering *r, int i);
 /* True if all files of a row are there, or the finished plate is. */
 bool lf_rendering_plate_has(const lf_rendering *r, int row);
 /* Writes the files of the current row. */

@@ -55,11 +55,6 @@ uint64_t lf_plate_field_bytes(const lf_plate *plate);
 LF_NODISCARD lf_status lf_plate_task_open(const lf_plate *plate, const char *folder, int task,
                                           int *out_fd, lf_error *err);
 
-/* All files of a finished plate except manifest.json, in the order of the manifest. The i-th name,
- * relative to the folder; NULL = out of memory. */
-int lf_plate_n_files(const lf_plate *plate);
-char *lf_plate_file(const lf_plate *plate, int i);
-
 /* Makes the folders of folder/name. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_plate_make_folders(const char *folder, const char *name, lf_error *err);
 

@@ -7,13 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <nettle/sha2.h>
-
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/file_hash.h"
 #include "quilt/hologram/plate.h"
 
-#define READ_BYTES ((size_t)1 << 18)
 #define MOST_JSON_BYTES ((uint64_t)1 << 30)
 
 /* ------------------------------------------------------------------------------- conventions -- */
@@ -141,39 +139,22 @@ lf_status lf_plate_begin(const lf_plate *plate, const char *folder, const json_t
 
 /* ------------------------------------------------------------------------------------- files -- */
 
-static lf_status hash_file(const char *path, char out[static 2 * SHA256_DIGEST_SIZE + 1],
-                           int64_t *out_size, lf_error *err)
+static lf_status hash_file(const char *path, char out[static LF_HASH_TEXT], int64_t *out_size,
+                           lf_error *err)
 {
-    struct sha256_ctx hash;
-    uint8_t digest[SHA256_DIGEST_SIZE], *buffer = lf_calloc(READ_BYTES, 1);
-    int fd = -1;
-    lf_status status = buffer ? lf_file_open(path, NULL, UINT64_MAX, &fd, NULL, err)
-                              : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    sha256_init(&hash);
-    *out_size = 0;
-    for (ssize_t n = 1; n != 0 && status == LF_OK;) {
-        n = pread(fd, buffer, READ_BYTES, (off_t)*out_size);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0)
-            status = lf_error_set(err, LF_E_IO, path, "cannot read: %s", lf_errno_text(errno));
-        if (n > 0)
-            sha256_update(&hash, (size_t)n, buffer);
-        *out_size += n > 0 ? n : 0;
-    }
-    sha256_digest(&hash, sizeof digest, digest);
-    for (size_t i = 0; i < sizeof digest; i++)
-        snprintf(out + 2 * i, 3, "%02x", digest[i]);
-    if (fd >= 0)
-        close(fd);
-    lf_free(buffer);
-    return status;
+    int fd;
+    const lf_status status = lf_file_open(path, NULL, UINT64_MAX, &fd, NULL, err);
+    if (status != LF_OK)
+        return status;
+    const bool is_read = lf_file_hash(fd, out, out_size);
+    close(fd);
+    return is_read ? LF_OK : lf_error_set(err, LF_E_IO, path, "cannot read it for the manifest");
 }
 
 static lf_status add_file(const lf_plate *plate, const char *folder, int i, json_t *files,
                           lf_error *err)
 {
-    char hash[2 * SHA256_DIGEST_SIZE + 1];
+    char hash[LF_HASH_TEXT];
     int64_t size = 0;
     char *name = lf_plate_file(plate, i), *path = name ? lf_path_join(folder, name) : NULL;
     lf_status status = path ? hash_file(path, hash, &size, err)

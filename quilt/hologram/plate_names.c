@@ -61,6 +61,8 @@ int lf_plate_n_files(const lf_plate *plate)
 char *lf_plate_file(const lf_plate *plate, int i)
 {
     int rows, columns;
+    if (i == lf_plate_n_files(plate))
+        return lf_strdup("manifest.json");
     lf_plate_pictures(plate, &rows, &columns);
     return plate->form == LF_PLATE_RAW ? lf_strdup(FIELD_FILE)
                                        : lf_plate_picture_name(plate, i / columns, i % columns);

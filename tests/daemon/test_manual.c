@@ -10,6 +10,7 @@
 #include "daemon/output/video.h"
 #include "daemon/server/methods.h"
 #include "daemon/tools/print_check.h"
+#include "daemon/tools/render_arguments.h"
 #include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
@@ -179,10 +180,10 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_find(lf_integrator_params(), option) &&
             !lf_param_find(lf_standing_params, option) &&
-            !lf_param_find(lf_simulate_params, option) &&
+            !lf_param_find(lf_simulate_params, option) && !lf_param_find(lf_state_params, option) &&
             !lf_param_find(lf_hologram_params, option) &&
-            !lf_param_among(&own, "passes spp time state state-info stats plan read-chart "
-                                  "chart-file help completion"))
+            !lf_param_among(&own, "passes spp time state state-info stats files plan json "
+                                  "task-minutes task-memory read-chart chart-file help completion"))
             fail_msg("--%s is in no table", option);
         n++;
     }
@@ -222,6 +223,8 @@ static void every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltre
     for (const lf_param *row = lf_video_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     for (const lf_param *row = lf_simulate_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
+    for (const lf_param *row = lf_state_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     lf_free(page);
 }

@@ -9,6 +9,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/tools/print_check.h"
+#include "daemon/tools/render_arguments.h"
 #include "daemon/tools/simulate.h"
 #include "tests/docs/tables.h"
 
@@ -45,8 +46,9 @@ static const struct group {
     {"quiltd", NULL, NULL, NULL, "quiltd",
      "socket device state allow-path export-dir buttons web playlist seconds crossfade watch "
      "run-for"},
-    {"quiltrender", NULL, NULL, NULL, "quiltrender",
-     "state state-info stats plan read-chart chart-file"},
+    {"quiltrender", lf_state_params, NULL, NULL, "quiltrender",
+     "state state-info stats files plan json task-minutes task-memory read-chart "
+     "chart-file"},
     {"every", NULL, NULL, NULL, "quiltd", "help version completion"},
 };
 enum { N_GROUPS = sizeof groups / sizeof *groups };
