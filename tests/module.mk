@@ -105,6 +105,9 @@ wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 # states that cannot be read now
 wrap_test_states := -Wl,--wrap=lf_renderer_restore
 
+# many merges, none of which needs to be on a disk
+wrap_test_mutated_states := -Wl,--wrap=fsync
+
 # how often a state is saved
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 
