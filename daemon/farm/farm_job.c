@@ -69,13 +69,9 @@ lf_status lf_farm_read_steps(const char *text, int n, int out[2], lf_error *err)
 void lf_farm_step_fields(const lf_farm_job *job, int step, int out[2])
 {
     const lf_farm_step *s = &job->steps[step];
-    out[0] = s->fields[0];
-    out[1] = s->fields[1];
-    for (int i = s->tasks[0]; s->fields[0] < 0 && step >= job->n_tasks && i <= s->tasks[1]; i++) {
-        const int *of = job->steps[i].fields;
-        out[0] = i == s->tasks[0] || of[0] < out[0] ? of[0] : out[0];
-        out[1] = of[1] > out[1] ? of[1] : out[1];
-    }
+    const int *fields = s->fields[0] >= 0 ? s->fields : job->fields;
+    out[0] = fields[0];
+    out[1] = fields[1];
 }
 
 char *lf_farm_step_state(const lf_farm_job *job, int step, int field)
@@ -234,6 +230,8 @@ static lf_status read_plan(lf_farm_job *job, lf_error *err)
     job->threads = (int)json_integer_value(json_object_get(job->plan, "threads"));
     if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1)
         return bad_plan(job->path, "a key is missing", err);
+    if (!read_range(job->plan, "fields", MOST_STEPS, job->fields))
+        return bad_plan(job->path, "its light fields are not numbers", err);
     if (!are_words(job->command) || (job->join && !are_words(job->join)))
         return bad_plan(job->path, "its command is no list of words", err);
     return read_steps(job, err);

@@ -132,10 +132,11 @@ static lf_status run_task(runner *r, lf_error *err)
 
 /* ------------------------------------------------------------------------------------ finish -- */
 
-static bool holds_field(const lf_farm_step *task, int field)
+static bool holds_field(const lf_farm_job *job, int task, int field)
 {
-    return task->rows[0] >= 0 &&
-           (field < 0 || (task->fields[0] <= field && field <= task->fields[1]));
+    int fields[2];
+    lf_farm_step_fields(job, task, fields);
+    return job->steps[task].rows[0] >= 0 && fields[0] <= field && field <= fields[1];
 }
 
 /* LF_E_STATE: a state is not complete. A machine that was thought to be lost may have replaced a
@@ -191,8 +192,7 @@ static lf_status merge_field(runner *r, int field, lf_error *err)
     char *whole = lf_farm_step_state(r->job, r->step, field);
     lf_farm_words_add(&words, "%s", MERGER);
     for (int i = s->tasks[0]; i <= s->tasks[1] && status == LF_OK; i++) {
-        char *part =
-            holds_field(&r->job->steps[i], field) ? lf_farm_step_state(r->job, i, field) : NULL;
+        char *part = holds_field(r->job, i, field) ? lf_farm_step_state(r->job, i, field) : NULL;
         if (!part)
             continue;
         status = check_part(r, i, part, err);

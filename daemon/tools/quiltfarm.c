@@ -123,7 +123,7 @@ static lf_status read_arguments(int argc, char *argv[], lf_farm_options *options
 
 int main(int argc, char *argv[])
 {
-    lf_farm_options options = {0};
+    lf_farm_options options = {.task_minutes = -1};
     lf_farm_command command = {.options = &options};
     const struct command *chosen = NULL;
     lf_error err = {0};
