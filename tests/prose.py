@@ -291,7 +291,7 @@ def knows(program, option):
     return "unknown option" not in (answer := help_of(program, option + "=") or "") and "is ambiguous" not in answer
 
 
-FOREIGN = "systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
+FOREIGN = "podman|apptainer|sbatch|squeue|systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
 OF_OTHERS = re.compile(rf"\b(?:{FOREIGN})(?: [\w.@-]+)* --[a-z]\S*")
 OPTION = re.compile(r"(?<![\w/-])--[a-z][a-z0-9-]*(?<!-)")
 

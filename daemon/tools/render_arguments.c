@@ -101,6 +101,7 @@ static void print_help(void)
     lf_param_print_help(lf_profile_params, NULL);
     lf_param_print_help(lf_check_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
+    lf_param_print_help(lf_hologram_params, NULL);
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
@@ -222,7 +223,9 @@ static const lf_output_kind *kind_of_option(const char *option)
     for (int i = 0; lf_output_kinds[i]; i++)
         if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
             return lf_output_kinds[i];
-    return strcmp(lf_output_wiggle.option, option) == 0 ? &lf_output_wiggle : NULL;
+    return strcmp(lf_output_wiggle.option, option) == 0     ? &lf_output_wiggle
+           : strcmp(lf_output_hologram.option, option) == 0 ? &lf_output_hologram
+                                                            : NULL;
 }
 
 static void take_video_option(lf_render_arguments *a, const char *option)
@@ -264,6 +267,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->depth.rgbd)
         a->depth.rgbd = row->option;
+    if (params == lf_hologram_params && !kind && !a->hologram.option)
+        a->hologram.option = row->option;
     if (params == lf_state_params && !a->render_option)
         a->render_option = row->option;
     if (params == lf_video_params && !kind)
@@ -341,6 +346,25 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
     return lf_error_set(err, LF_E_ARG, where, "applies only to OUT.mp4");
 }
 
+static lf_status check_hologram(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_options *o = &a->options;
+    char where[64];
+    if (a->kind != &lf_output_hologram) {
+        snprintf(where, sizeof where, "--%s", a->hologram.option ? a->hologram.option : "");
+        return a->hologram.option
+                   ? lf_error_set(err, LF_E_ARG, where, "needs --hologram and a folder as -o")
+                   : LF_OK;
+    }
+    if (o->preset || o->columns > 0 || a->frames.has_range || a->frames.turntable > 0)
+        return lf_error_set(err, LF_E_ARG, "--hologram", "cannot be combined with --%s",
+                            o->preset             ? "preset; use --hologram-preset"
+                            : o->columns > 0      ? "quilt"
+                            : a->frames.has_range ? "frames; a plate holds one scene"
+                                                  : "turntable; use --hologram-preset");
+    return lf_hologram_check(&a->hologram.options, err);
+}
+
 /* Checks the kind and the options that depend on it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
@@ -363,7 +387,7 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->depth.rgbd)
         return refuse_option(a->depth.rgbd, reads_rgbd, err);
-    if (check_video(a, err) != LF_OK)
+    if (check_video(a, err) != LF_OK || check_hologram(a, err) != LF_OK)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
@@ -628,6 +652,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                             "cannot be combined; give only one of them");
     if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
+    a->hologram.all_rows = !a->frames.of_rows;
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
@@ -639,6 +664,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         status = choose_reconstruction(a, err);
     if (status == LF_OK)
         status = take_plain_preset(a, err);
+    if (status == LF_OK && a->kind == &lf_output_hologram)
+        a->frames.of_rows = true;
     if (status == LF_OK && lf_state_is_all(&a->state))
         status = check_part(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
@@ -666,6 +693,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_check_params, NULL, &a->of_print.check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
+                                     {lf_hologram_params, NULL, &a->hologram.options},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},
                                      {lf_standing_params, standing, &a->options.standing},

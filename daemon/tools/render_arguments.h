@@ -3,6 +3,7 @@
 #define LF_DAEMON_RENDER_ARGUMENTS_H
 
 #include "daemon/output/frames.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
@@ -39,6 +40,13 @@ typedef struct lf_print_arguments {
      * the photo */
     const char *photo, *chart_file;
 } lf_print_arguments;
+
+/* Options of holograms. */
+typedef struct lf_hologram_arguments {
+    lf_hologram_options options;
+    const char *option; /* the first option that needs --hologram */
+    bool all_rows;      /* no --camera-rows: all rows, and what needs all of them */
+} lf_hologram_arguments;
 
 /* Options of states. */
 typedef struct lf_state_arguments {
@@ -92,6 +100,7 @@ typedef struct lf_render_arguments {
     const char *photo_option; /* the first option that needs a finished picture */
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
+    lf_hologram_arguments hologram;
     lf_frames frames; /* checked */
     lf_video_options video;
     bool has_codec, has_fps;
