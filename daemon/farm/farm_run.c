@@ -214,20 +214,21 @@ static lf_status merge_field(runner *r, int field, lf_error *err)
 
 static bool needs_merge(const lf_farm_job *job, const lf_farm_step *finish)
 {
-    for (int i = finish->tasks[0]; i <= finish->tasks[1]; i++)
+    for (int i = finish->tasks[0]; i <= finish->tasks[1] && !finish->closes; i++)
         if (job->steps[i].rows[0] >= 0)
             return true;
     return false;
 }
 
-/* The first task that a finish waits for; -1: none. */
+/* The first step that a finish waits for; -1: none. */
 static int first_missing(const lf_farm_job *job, int finish)
 {
     const lf_farm_step *s = &job->steps[finish];
     for (int i = s->tasks[0]; i <= s->tasks[1]; i++) {
         lf_farm_result result;
-        if (lf_farm_result_read(job, i, &result, NULL) != LF_OK || !result.complete)
-            return i;
+        const int needed = lf_farm_step_needed(job, finish, i);
+        if (lf_farm_result_read(job, needed, &result, NULL) != LF_OK || !result.complete)
+            return needed;
     }
     return -1;
 }
