@@ -7,34 +7,6 @@
 #include "base/log.h"
 #include "daemon/parts/farmed_internal.h"
 
-static const char *const engines[] = {"slurm", "parallel", "list", NULL};
-enum { N_ENGINES = sizeof engines / sizeof *engines - 1 };
-
-const char *lf_farmed_engine_at(int index)
-{
-    return index < N_ENGINES ? engines[index] : NULL;
-}
-
-lf_status lf_farmed_engines(const char *list, unsigned *out, lf_error *err)
-{
-    unsigned bits = 0;
-    for (const char *at = list;; at++) {
-        const size_t n = strcspn(at, ",");
-        int i = 0;
-        while (i < N_ENGINES && !(strlen(engines[i]) == n && strncmp(engines[i], at, n) == 0))
-            i++;
-        if (i == N_ENGINES)
-            return lf_error_set(err, LF_E_ARG, "--farm",
-                                "expects some of slurm, parallel and list, not \"%s\"", list);
-        bits |= 1u << i;
-        at += n;
-        if (*at == '\0')
-            break;
-    }
-    *out = bits;
-    return LF_OK;
-}
-
 lf_status lf_farmed_create(const lf_farmed_home *home, const lf_farmed_events *events,
                            void *context, lf_farmed **out_farmed)
 {
@@ -155,25 +127,12 @@ static void on_news(void *reader, lf_task *task)
         tell(job, LF_FARMED_RUNNING);
 }
 
-void lf_farmed_publish(lf_farmed_job *job, const lf_farmed_look *look, bool has_ended)
-{
-    pthread_mutex_lock(&job->lock);
-    const bool posts = !job->posted;
-    job->look = *look;
-    job->has_ended = has_ended;
-    job->posted = true;
-    pthread_mutex_unlock(&job->lock);
-    if (posts)
-        lf_inbox_post(job->farmed->home.inbox, &job->news);
-}
-
 /* ------------------------------------------------------------------------------------ adding -- */
 
 static void *job_main(void *context)
 {
     lf_farmed_job *job = context;
     lf_farmed_run(job);
-    lf_farmed_publish(job, &job->look, true);
     return NULL;
 }
 
@@ -227,7 +186,7 @@ lf_status lf_farmed_add(lf_farmed *farmed, int64_t id, const lf_farmed_order *or
     return job ? start(job, order, err) : lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
 }
 
-/* ----------------------------------------------------------------------------------- an end -- */
+/* ------------------------------------------------------------------------------------ an end -- */
 
 static void stop(lf_farmed_job *job, lf_cancel *how)
 {
@@ -257,10 +216,10 @@ void lf_farmed_leave(lf_farmed *farmed)
 
 static bool is_allowed(const char *engine, unsigned bits)
 {
-    for (int i = 0; i < N_ENGINES; i++)
-        if (strcmp(engines[i], engine) == 0)
-            return bits >> i & 1;
-    return false;
+    int i = 0;
+    while (lf_farmed_engine_at(i) && strcmp(lf_farmed_engine_at(i), engine) != 0)
+        i++;
+    return bits >> i & 1;
 }
 
 static void take_up(lf_farmed *farmed, const char *path, unsigned bits, int64_t *id)

@@ -1,6 +1,6 @@
 /* Internals of farmed.h: farmed.c (event thread), farmed_run.c (a job's thread), farmed_child.c
- * (quiltfarm as a child), farmed_look.c (what it says) and farmed_record.c (what is kept of a
- * job). */
+ * (quiltfarm as a child), farmed_look.c (what it says), farmed_engines.c (kinds of farm) and
+ * farmed_record.c (what is kept of a job). */
 #ifndef LF_DAEMON_FARMED_INTERNAL_H
 #define LF_DAEMON_FARMED_INTERNAL_H
 
@@ -50,15 +50,9 @@ struct lf_farmed {
     lf_farmed_job *first; /* the newest */
 };
 
-/* farmed.c: hands a look to the event thread. Thread: the job's. */
-void lf_farmed_publish(lf_farmed_job *job, const lf_farmed_look *look, bool has_ended);
-
-/* farmed_run.c: the whole life of a job; its status and err hold the outcome. */
+/* farmed_run.c: the whole life of a job, told to the event thread; its status and err hold the
+ * outcome. */
 void lf_farmed_run(lf_farmed_job *job);
-/* True if the job is to end before its time. */
-bool lf_farmed_is_stopped(const lf_farmed_job *job);
-/* Waits until this time (lf_time_now_ns), or until the job is to end. */
-void lf_farmed_wait(lf_farmed_job *job, uint64_t end_ns);
 
 /* farmed_child.c */
 /* Starts quiltfarm with these words, which end with NULL. LF_E_IO: it is not in PATH, or cannot be

@@ -17,16 +17,31 @@
     3 /* looks in a row at an interrupted job: a scheduler may be late with its list */
 enum { MOST_WORDS = LF_RENDER_WORDS + 16 };
 
-bool lf_farmed_is_stopped(const lf_farmed_job *job)
+/* Hands a look to the event thread. */
+static void publish(lf_farmed_job *job, const lf_farmed_look *look, bool has_ended)
+{
+    pthread_mutex_lock(&job->lock);
+    const bool posts = !job->posted;
+    job->look = *look;
+    job->has_ended = has_ended;
+    job->posted = true;
+    pthread_mutex_unlock(&job->lock);
+    if (posts)
+        lf_inbox_post(job->farmed->home.inbox, &job->news);
+}
+
+/* True if the job is to end before its time. */
+static bool is_stopped(const lf_farmed_job *job)
 {
     return atomic_load(&job->cancel) || atomic_load(&job->leave);
 }
 
-void lf_farmed_wait(lf_farmed_job *job, uint64_t end_ns)
+/* Waits until this time (lf_time_now_ns), or until the job is to end. */
+static void wait_until(lf_farmed_job *job, uint64_t end_ns)
 {
     pthread_mutex_lock(&job->lock);
     bool on = true;
-    while (on && !lf_farmed_is_stopped(job))
+    while (on && !is_stopped(job))
         on = lf_cond_wait_until(&job->wake, &job->lock, end_ns);
     pthread_mutex_unlock(&job->lock);
 }
@@ -50,7 +65,7 @@ static void set_state(lf_farmed_job *job, const char *state)
 {
     lf_farmed_look look = job->look;
     snprintf(look.state, sizeof look.state, "%s", state);
-    lf_farmed_publish(job, &look, false);
+    publish(job, &look, false);
 }
 
 /* ---------------------------------------------------------------------------------- children -- */
@@ -67,7 +82,7 @@ static lf_status call(lf_farmed_job *job, const char *what, const char *const wo
         return status;
     const double end = lf_time_now() + limit_s;
     while (status == LF_OK && !lf_farmed_has_ended(&child, &ended))
-        if (is_last ? atomic_load(&job->leave) : lf_farmed_is_stopped(job))
+        if (is_last ? atomic_load(&job->leave) : is_stopped(job))
             status = stopped(err);
         else if (lf_time_now() >= end)
             status = lf_error_set(err, LF_E_TIMEOUT, LF_FARMED_PROGRAM,
@@ -82,7 +97,7 @@ static lf_status call(lf_farmed_job *job, const char *what, const char *const wo
     return status;
 }
 
-/* ----------------------------------------------------------------------------- the job's folder */
+/* -------------------------------------------------------------------------------- the folder -- */
 
 static lf_status write_json(const lf_farmed_job *job, int folder_fd, const char *name, json_t *what,
                             lf_error *err)
@@ -191,8 +206,7 @@ static lf_status begin_submit(lf_farmed_job *job, lf_error *err)
     return lf_farmed_start(words, &job->submit, err);
 }
 
-/* ------------------------------------------------------------------------------------ looking --
- */
+/* ----------------------------------------------------------------------------------- looking -- */
 
 /* Waits for the next look, which is due as soon as submit has ended. LF_E_IO: submit has failed. */
 static lf_status wait_for_look(lf_farmed_job *job, lf_error *err)
@@ -201,10 +215,10 @@ static lf_status wait_for_look(lf_farmed_job *job, lf_error *err)
     const uint64_t end = lf_time_now_ns() + (uint64_t)(interval * (double)LF_NS_PER_S);
     int ended = 0;
     if (job->submit.pid == 0) {
-        lf_farmed_wait(job, end);
+        wait_until(job, end);
         return LF_OK;
     }
-    while (lf_time_now_ns() < end && !lf_farmed_is_stopped(job)) {
+    while (lf_time_now_ns() < end && !is_stopped(job)) {
         if (lf_farmed_has_ended(&job->submit, &ended))
             return lf_farmed_judge(&job->submit, "submit", ended, err);
         nap();
@@ -219,7 +233,7 @@ static lf_status note_vain(lf_farmed_job *job, lf_error *err)
     char words[sizeof look.problem + sizeof *err];
     (void)lf_error_format(err, words, sizeof words);
     snprintf(look.problem, sizeof look.problem, "%.*s", (int)sizeof look.problem - 1, words);
-    lf_farmed_publish(job, &look, false);
+    publish(job, &look, false);
     if (++job->vain < job->farmed->home.most_vain)
         return LF_OK;
     return lf_error_set(err, LF_E_IO, job->order.folder.path,
@@ -257,7 +271,7 @@ static lf_status look_once(lf_farmed_job *job, bool *out_over, lf_error *err)
     if (status != LF_OK)
         return note_vain(job, err);
     job->vain = 0;
-    lf_farmed_publish(job, &look, false);
+    publish(job, &look, false);
     status = judge_look(job, &look, failed, out_over, err);
     lf_free(failed);
     return status;
@@ -268,7 +282,7 @@ static lf_status follow(lf_farmed_job *job, lf_error *err)
     lf_status status = LF_OK;
     bool over = false;
     while (status == LF_OK && !over) {
-        if (lf_farmed_is_stopped(job))
+        if (is_stopped(job))
             status = stopped(err);
         else
             status = look_once(job, &over, err);
@@ -278,8 +292,7 @@ static lf_status follow(lf_farmed_job *job, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------ the end --
- */
+/* ----------------------------------------------------------------------------------- the end -- */
 
 /* Lets quiltfarm cancel the job. Its tasks may run on if that fails, which the error says. */
 static lf_status cancel(lf_farmed_job *job, lf_error *err)
@@ -308,9 +321,9 @@ void lf_farmed_run(lf_farmed_job *job)
     lf_status status = LF_OK;
     bool is_submitted = job->is_submitted;
     if (!is_submitted) {
-        lf_farmed_publish(job, &job->look, false);
+        publish(job, &job->look, false);
         status = prepare(job, err);
-        is_submitted = status == LF_OK && !lf_farmed_is_stopped(job);
+        is_submitted = status == LF_OK && !is_stopped(job);
         status = is_submitted ? begin_submit(job, err) : status == LF_OK ? stopped(err) : status;
         if (status == LF_OK)
             status = wait_for_look(job, err);
@@ -325,4 +338,5 @@ void lf_farmed_run(lf_farmed_job *job)
     if (job->record && is_submitted && !atomic_load(&job->leave))
         (void)unlink(job->record);
     job->status = status;
+    publish(job, &job->look, true);
 }

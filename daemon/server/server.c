@@ -52,7 +52,7 @@ static void destroy(lf_server *server)
     lf_free(server->gallery.folder.path);
     lf_errands_destroy(server->gallery.checks);
     lf_jobs_destroy(server->jobs);
-    lf_farmed_destroy(server->farmed);
+    lf_farmed_destroy(server->gallery.farmed);
     lf_previews_destroy(server->gallery.previews);
     lf_library_destroy(server->gallery.library);
     lf_saver_destroy(server->saver);

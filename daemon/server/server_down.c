@@ -88,7 +88,7 @@ static void begin_way_down(lf_server *server)
     lf_playlist_stop(server->gallery.playlist);
     lf_saver_stop(server->saver);
     lf_jobs_end(server->jobs);
-    lf_farmed_leave(server->farmed);
+    lf_farmed_leave(server->gallery.farmed);
     lf_previews_end(server->gallery.previews);
     lf_library_end(server->gallery.library);
     lf_errands_end(server->gallery.checks);
@@ -110,7 +110,7 @@ static bool has_jobs(const lf_server *server)
     return lf_saver_is_busy(server->saver) || lf_previews_busy(server->gallery.previews) ||
            lf_library_busy(server->gallery.library) ||
            lf_errands_count(server->gallery.checks) > 0 || lf_jobs_at(server->jobs, 0, &job) ||
-           lf_farmed_at(server->farmed, 0, &farmed);
+           lf_farmed_at(server->gallery.farmed, 0, &farmed);
 }
 
 bool lf_server_is_stopping(const lf_server *server)

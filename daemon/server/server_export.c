@@ -321,17 +321,9 @@ json_t *lf_server_jobs_json(const lf_server *server)
     return list;
 }
 
-void lf_server_export_told(lf_server *server, uint64_t asker, json_t *params)
-{
-    lf_client *client = lf_clients_find(server->clients, asker);
-    if (client && (*lf_client_flags(client) & LF_EVENT_EXPORT) == 0)
-        lf_client_send(client, lf_rpc_notification("export", json_incref(params)));
-    lf_notify(server->clients, LF_EVENT_EXPORT, "export", params);
-}
-
 static void on_told(void *context, const lf_job_told *job)
 {
-    lf_server_export_told(context, job->asker->client, job_json(job));
+    lf_server_tell_export(context, job->asker->client, job_json(job));
 }
 
 static void on_ended(void *context, const lf_asker *asker)

@@ -93,8 +93,7 @@ static lf_status take_folder(const lf_server *server, const char *name, lf_held_
     return lf_server_write_path(server, name, out, err);
 }
 
-/* -------------------------------------------------------------------------------------- words --
- */
+/* ------------------------------------------------------------------------------------- words -- */
 
 /* Cameras on a track or a grid are rendered as the scene has them. */
 static bool has_track(const lf_content *content)
@@ -200,8 +199,7 @@ static lf_status add_words(const lf_server *server, const lf_export *what, const
     return words->failed ? lf_error_set(err, LF_E_NOMEM, "export", "out of memory") : LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------ starting --
- */
+/* ---------------------------------------------------------------------------------- starting -- */
 
 static lf_status take_order(const lf_call *call, const lf_export *what, lf_farmed_order *out,
                             lf_error *err)
@@ -234,7 +232,7 @@ void lf_server_farm(lf_call *call, const lf_export *what)
     lf_error err;
     lf_status status = take_order(call, what, &order, &err);
     if (status == LF_OK)
-        status = lf_farmed_add(server->farmed, server->n_jobs + 1, &order, &err);
+        status = lf_farmed_add(server->gallery.farmed, server->n_jobs + 1, &order, &err);
     if (status != LF_OK) {
         lf_farmed_order_finish(&order);
         lf_fail(call, &err, false);
@@ -244,8 +242,7 @@ void lf_server_farm(lf_call *call, const lf_export *what)
                              lf_rpc_text(order.file), "warnings"));
 }
 
-/* ---------------------------------------------------------------------------------------- told --
- */
+/* -------------------------------------------------------------------------------------- told -- */
 
 static json_t *known(double seconds)
 {
@@ -286,7 +283,7 @@ static json_t *told_json(const lf_farmed_told *job)
 void lf_server_farm_json(const lf_server *server, json_t *list)
 {
     lf_farmed_told job;
-    for (int i = 0; lf_farmed_at(server->farmed, i, &job); i++)
+    for (int i = 0; lf_farmed_at(server->gallery.farmed, i, &job); i++)
         json_array_append_new(list, told_json(&job));
 }
 
@@ -299,9 +296,17 @@ json_t *lf_server_farms_json(const lf_server *server)
     return names;
 }
 
+void lf_server_tell_export(lf_server *server, uint64_t asker, json_t *params)
+{
+    lf_client *client = lf_clients_find(server->clients, asker);
+    if (client && (*lf_client_flags(client) & LF_EVENT_EXPORT) == 0)
+        lf_client_send(client, lf_rpc_notification("export", json_incref(params)));
+    lf_notify(server->clients, LF_EVENT_EXPORT, "export", params);
+}
+
 static void on_told(void *context, const lf_farmed_told *job)
 {
-    lf_server_export_told(context, job->client, told_json(job));
+    lf_server_tell_export(context, job->client, told_json(job));
 }
 
 static void on_ended(void *context)
@@ -320,10 +325,10 @@ lf_status lf_server_make_farmed(lf_server *server)
                                  .call_s = CALL_S,
                                  .interval_s = INTERVAL_S,
                                  .most_vain = MOST_VAIN};
-    return lf_farmed_create(&home, &events, server, &server->farmed);
+    return lf_farmed_create(&home, &events, server, &server->gallery.farmed);
 }
 
 void lf_server_take_up_farmed(lf_server *server)
 {
-    lf_farmed_take_up(server->farmed, server->config.farms, &server->n_jobs);
+    lf_farmed_take_up(server->gallery.farmed, server->config.farms, &server->n_jobs);
 }

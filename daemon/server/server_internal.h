@@ -89,8 +89,10 @@ typedef struct lf_played_folder {
     bool more;  /* it has more files than the slideshow has entries */
 } lf_played_folder;
 
-/* Images and files for clients: server_preview.c, server_library.c, server_playlist.c. */
+/* Images and files for clients: server_preview.c, server_library.c, server_playlist.c,
+ * server_farm.c. */
 typedef struct lf_gallery {
+    lf_farmed *farmed;
     lf_previews *previews;
     lf_library *library;
     lf_playlist *playlist;
@@ -162,7 +164,6 @@ struct lf_server {
     lf_shown shown;        /* the frame on the panel */
     lf_waits *waits;
     lf_jobs *jobs;
-    lf_farmed *farmed;
     lf_gallery gallery;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
@@ -294,9 +295,6 @@ LF_NODISCARD lf_status lf_server_make_jobs(lf_server *server);
 void lf_server_export(lf_call *call);
 /* The jobs, as in `status`; those of farms are the last. */
 json_t *lf_server_jobs_json(const lf_server *server);
-/* Sends a notification `export` to subscribers and to the client that asked, who gets it without
- * subscribing. Takes params. */
-void lf_server_export_told(lf_server *server, uint64_t asker, json_t *params);
 
 /* ----------------------------------------------------------------------------- server_farm.c -- */
 
@@ -314,6 +312,9 @@ void lf_server_farm(lf_call *call, const lf_export *what);
 void lf_server_farm_json(const lf_server *server, json_t *list);
 /* The farms that may be used (--farm). */
 json_t *lf_server_farms_json(const lf_server *server);
+/* Sends a notification `export` to subscribers and to the client that asked, who gets it without
+ * subscribing. Takes params. */
+void lf_server_tell_export(lf_server *server, uint64_t asker, json_t *params);
 
 /* -------------------------------------------------------------------------- server_preview.c -- */
 
