@@ -78,6 +78,8 @@ in_bash() {
     offers 'quiltbench cur' 'curve'
     offers 'quiltbench curve --contenders' '--contenders'
     offers 'quiltbench curve sc' 'scene.json'
+    offers 'quiltfarm st' 'status'
+    offers 'quiltfarm plan job --engine p' 'parallel'
     has_word 'quiltd --preset ' portrait
     has_word 'quiltctl ' status
 }
