@@ -92,7 +92,7 @@ LF_NODISCARD lf_status lf_rendering_check_picture(const lf_rendering *r, int fra
 LF_NODISCARD lf_status lf_rendering_take_picture(lf_rendering *r, lf_error *err);
 /* Adds the frame to an error in its files, and the frames before it as a remedy. */
 lf_status lf_rendering_tell_frame(int frame, int first, lf_error *err);
-/* Frames per second of the animation that frames show; 0: unknown, or they are no animation. */
+/* Frames per second of the animation that the input shows; 0: unknown, or none. */
 double lf_rendering_rate(const lf_rendering *r);
 /* Sets r->print, with its number of views: of at most n_views_most. LF_E_ARG. */
 LF_NODISCARD lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *err);

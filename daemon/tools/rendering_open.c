@@ -437,8 +437,7 @@ static lf_status check_wiggle(const lf_rendering *r, lf_error *err)
 
 double lf_rendering_rate(const lf_rendering *r)
 {
-    const lf_frames *frames = &r->arguments->frames;
-    if (!frames->has_range || frames->turntable > 0)
+    if (r->arguments->frames.turntable > 0 || (r->scene && !lf_scene_has_frames(r->scene)))
         return 0;
     return r->scene ? lf_scene_rate(r->scene) : r->quilt.frame_rate;
 }
@@ -450,7 +449,7 @@ lf_video_options lf_rendering_video_options(const lf_rendering *r)
     lf_video_options options = a->video;
     if (options.wiggle && !a->has_fps)
         options.fps = lf_wiggle_fps(r->layout.n_views);
-    else if (rate > 0 && !a->has_fps)
+    else if (rate > 0 && a->frames.has_range && !a->has_fps)
         options.fps = fmin(fmax(rate, LF_VIDEO_LEAST_FPS), LF_VIDEO_MOST_FPS);
     if (options.wiggle && a->options.view_width == 0)
         options.most_width = LF_WIGGLE_WIDTH;
