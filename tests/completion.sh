@@ -10,7 +10,7 @@ out=$(cd "$out" && pwd)
 
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
-programs=(quiltd quiltctl quiltrender quiltprint quiltsim quiltbench quiltweb)
+programs=(quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb)
 for p in "${programs[@]}"; do
     for s in bash zsh fish; do
         "$out/$p" --completion "$s" > "$top/$p.$s" || echo "$p: $s: exit status not 0" >> "$top/complaints"

@@ -8,10 +8,11 @@
 
 typedef struct run {
     lf_renderer *renderer;
+    const lf_part *part;
     const lf_budget *budget;
     lf_estimator estimator;
     float *film;
-    int n_views, height;
+    int n_views, n_rows;     /* n_rows: of the part */
     bool goes_on;            /* the film was not empty */
     double before;           /* passes it held, which are not new progress */
     lf_asked at;             /* state for continued passes */
@@ -38,7 +39,7 @@ static double fraction_of(const run *r, double passes)
 
 static void report(const run *r)
 {
-    double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->height;
+    double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->n_rows;
     lf_render_progress progress = {
         .fraction = fmin(1, fmax(0, fraction_of(r, passes))),
         .seconds = lf_time_now() - r->start,
@@ -66,10 +67,10 @@ static lf_status add(run *r, int64_t n_passes, bool split)
     lf_status status = LF_OK;
     while (n_passes > 0 && status == LF_OK) {
         int64_t now = n_passes < cycles ? n_passes : cycles;
-        status =
-            r->goes_on && r->budget->passes > 0
-                ? lf_renderer_passes_after(r->renderer, &r->at, now, split, row_done, r, r->cancel)
-                : lf_renderer_passes(r->renderer, NULL, now, split, row_done, r, r->cancel);
+        status = r->goes_on && r->budget->passes > 0
+                     ? lf_renderer_passes_after(r->renderer, r->part, &r->at, now, split, row_done,
+                                                r, r->cancel)
+                     : lf_renderer_passes(r->renderer, r->part, now, split, row_done, r, r->cancel);
         if (status == LF_OK)
             r->passes += now;
         n_passes -= now;
@@ -82,7 +83,7 @@ static lf_status run_passes(run *r)
 {
     const int64_t n = r->budget->passes;
     lf_status status = add(r, n, n == 1 && r->estimator == LF_ESTIMATOR_CV);
-    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, &r->at))
+    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, r->part, &r->at))
         return LF_E_STATE;
     return status;
 }
@@ -159,21 +160,31 @@ static void take_up(run *r, const lf_render_times *before)
     if (r->budget->passes > 0) /* passes that are not repeated are reported again */
         return;
     r->passes = before->passes;
-    atomic_store_explicit(&r->row_passes, before->passes * r->height, memory_order_relaxed);
+    atomic_store_explicit(&r->row_passes, before->passes * r->n_rows, memory_order_relaxed);
 }
 
-lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
-                           const lf_render_times *before, float *film,
+/* The number of rows of a part. */
+static int rows_of(const lf_part *part, int height)
+{
+    const int end = part && part->end_row > 0 ? part->end_row : height,
+              step = part && part->row_step > 0 ? part->row_step : 1,
+              first = part ? part->first_row : 0;
+    return end > first ? (end - first - 1) / step + 1 : 1;
+}
+
+lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part, const lf_budget *budget,
+                           lf_estimator estimator, const lf_render_times *before, float *film,
                            lf_render_progress_fn progress, void *context, const lf_cancel *cancel,
                            lf_render_times *out_times)
 {
     const lf_render_settings *settings = lf_renderer_settings(renderer);
     run r = {
         .renderer = renderer,
+        .part = part,
         .budget = budget,
         .estimator = estimator,
         .n_views = settings->camera.n_views,
-        .height = settings->height,
+        .n_rows = rows_of(part, settings->height),
         .start = lf_time_now(),
         .cpu_start = lf_time_cpu(),
         .progress = progress,
@@ -196,7 +207,7 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
         status = run_target(&r, fmax(budget->target_error, budget->target_denoised_error));
     }
     if (status == LF_E_CANCELLED)
-        r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.height;
+        r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.n_rows;
     *out_times =
         (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start, 0};
     return status;
@@ -220,8 +231,8 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
                           float *film, lf_render_progress_fn progress, void *context,
                           const lf_cancel *cancel, lf_render_times *out_times)
 {
-    lf_status status = lf_render_gather(renderer, budget, estimator, NULL, film, progress, context,
-                                        cancel, out_times);
+    lf_status status = lf_render_gather(renderer, NULL, budget, estimator, NULL, film, progress,
+                                        context, cancel, out_times);
     return status == LF_OK ? lf_render_fill(renderer, budget, estimator, cancel, out_times)
                            : status;
 }

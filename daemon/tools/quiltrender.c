@@ -13,6 +13,7 @@
 #include "daemon/tools/batch.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/read_chart.h"
+#include "daemon/tools/receipt.h"
 #include "daemon/tools/rendering_plan.h"
 #include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
@@ -33,7 +34,7 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     lf_status status = r->scene ? lf_rendering_run(r, err) : LF_OK;
-    if (status == LF_OK)
+    if (status == LF_OK && !lf_state_is_all(&a->state))
         status = lf_rendering_write(r, err);
     if (status == LF_OK && a->stats)
         status = lf_rendering_write_stats(r, err);
@@ -74,6 +75,18 @@ static void tell_names(const lf_rendering *r, double seconds)
                lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
 }
 
+/* What the states hold that are the only output. */
+static void tell_states(const lf_rendering *r, double seconds)
+{
+    const int n = r->sequence.on ? r->sequence.n_done : lf_rendering_camera_rows(r);
+    char words[64];
+    snprintf(words, sizeof words, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
+    if (n == 1)
+        lf_log(LF_LOG_INFO, "%s is complete (%s)", r->state.path, words);
+    else
+        lf_log(LF_LOG_INFO, "%d states are complete; the last is %s (%s)", n, r->state.path, words);
+}
+
 /* The copies of a sheet, and the order of a flip. */
 static void tell_layout(const lf_rendering *r)
 {
@@ -108,17 +121,21 @@ static int run(const lf_render_arguments *a)
         lf_rendering_finish(&r);
         return code;
     }
-    if (status == LF_OK && a->plan)
+    if (status == LF_OK && a->plan.on)
         status = lf_rendering_plan(&r, &err);
     else if (status == LF_OK)
         status = r.sequence.on ? lf_rendering_frames(&r, &err) : make_one(&r, &err);
+    if (status == LF_OK && a->files && !a->plan.on)
+        status = lf_receipt_write(&r, &err);
     lf_progress_line_clear(&r.line);
     if (status == LF_E_ARG && strncmp(err.where, "--", 2) == 0) {
         code = lf_usage_error(PROGRAM, &err); /* found only with the renderer */
     } else if (status != LF_OK) {
         lf_log_error(&err);
-        code = r.state.is_kept && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
-    } else if (!a->plan) {
+        code = a->state.file && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
+    } else if (!a->plan.on && lf_state_is_all(&a->state)) {
+        tell_states(&r, lf_time_now() - begun);
+    } else if (!a->plan.on) {
         tell_names(&r, lf_time_now() - begun);
         tell_layout(&r);
     }
@@ -171,8 +188,8 @@ int main(int argc, char **argv)
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
-    if (a.state_info)
-        return print_state(a.state_info);
+    if (a.state.info)
+        return print_state(a.state.info);
     lf_options_limit_import(&a.options);
     catch_signals();
     if (a.of_print.photo)

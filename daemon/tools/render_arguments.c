@@ -8,8 +8,10 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "daemon/output/hld.h"
+#include "daemon/tools/job_state.h"
 
 #define MAX_PASSES (INT64_C(1) << 40)
+#define MOST_MINUTES 1e6
 
 enum {
     OPTION_OUT = 'o',
@@ -19,7 +21,11 @@ enum {
     OPTION_STATS,
     OPTION_STATE,
     OPTION_STATE_INFO,
+    OPTION_FILES,
     OPTION_PLAN,
+    OPTION_JSON,
+    OPTION_TASK_MINUTES,
+    OPTION_TASK_MEMORY,
     OPTION_READ_CHART,
     OPTION_CHART_FILE,
 };
@@ -32,11 +38,31 @@ static const struct option table[] = {
     {"stats", required_argument, NULL, OPTION_STATS},
     {"state", required_argument, NULL, OPTION_STATE},
     {"state-info", required_argument, NULL, OPTION_STATE_INFO},
+    {"files", required_argument, NULL, OPTION_FILES},
     {"plan", no_argument, NULL, OPTION_PLAN},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {"task-minutes", required_argument, NULL, OPTION_TASK_MINUTES},
+    {"task-memory", required_argument, NULL, OPTION_TASK_MEMORY},
     {"read-chart", required_argument, NULL, OPTION_READ_CHART},
     {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {NULL, 0, NULL, 0},
 };
+
+#define PLACE(field) .place = offsetof(lf_state_arguments, field)
+
+/* clang-format off */
+const lf_param lf_state_params[] = {
+    {.option = "rows", .joined = ":", .argument = "A", PLACE(first_row), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_state_arguments, has_rows), .high = LF_MAX_VIEW_SIDE - 1,
+     .help = "render only image rows A to B, into the file of --state"},
+    {.option = "rows", .argument = "B", PLACE(last_row), .type = LF_PARAM_WHOLE,
+     .high = LF_MAX_VIEW_SIDE - 1},
+    {.option = "stream", .argument = "K", PLACE(stream), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_state_arguments, has_stream), .high = LF_MAX_STREAM,
+     .help = "render random stream K of the seed, into the file of --state"},
+    {0},
+};
+/* clang-format on */
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
@@ -75,6 +101,7 @@ static void print_help(void)
     lf_param_print_help(lf_profile_params, NULL);
     lf_param_print_help(lf_check_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
+    lf_param_print_help(lf_hologram_params, NULL);
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
@@ -98,14 +125,23 @@ static void print_help(void)
     lf_param_print_help(lf_integrator_params(), NULL);
     lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
     printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
-           "interrupted)\n"
-           "  --state-info FILE      print the contents of a state file as JSON\n"
+           "interrupted)\n");
+    lf_param_print_help(lf_state_params, NULL);
+    printf("  --state-info FILE      print the contents of a state file as JSON\n"
            "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
            "sheet\n"
            "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
            "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
+           "  --files FILE.json      write the names, sizes and SHA-256 of all written files as "
+           "JSON\n"
            "  --plan                 print estimated costs and one command per task; render "
-           "nothing\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+           "nothing\n"
+           "  --json                 print the plan as one JSON object\n"
+           "  --task-minutes M       divide the plan into tasks of about M minutes; 0: one light "
+           "field per task (%d)\n"
+           "  --task-memory SIZE     divide the plan into tasks of at most SIZE, such as 2G (no "
+           "limit)\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
+           LF_PLAN_MINUTES);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
@@ -123,6 +159,28 @@ static lf_status take_budget(lf_render_arguments *a, int code, const char *text,
     }
 }
 
+static lf_status take_plan(lf_render_arguments *a, int code, const char *text, lf_error *err)
+{
+    lf_plan_arguments *p = &a->plan;
+    if (!p->option && code != OPTION_PLAN)
+        p->option = code == OPTION_JSON           ? "json"
+                    : code == OPTION_TASK_MINUTES ? "task-minutes"
+                                                  : "task-memory";
+    switch (code) {
+    case OPTION_JSON:
+        p->json = true;
+        return LF_OK;
+    case OPTION_TASK_MINUTES:
+        return lf_parse_double("--task-minutes", text, 0, MOST_MINUTES, &p->minutes, err);
+    case OPTION_TASK_MEMORY:
+        return lf_parse_bytes("--task-memory", text, &p->memory, err);
+    default:
+        p->on = true;
+        a->render_option = a->render_option ? a->render_option : "plan";
+        return LF_OK;
+    }
+}
+
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     lf_render_arguments *a = context;
@@ -134,16 +192,20 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         a->stats = text;
         return LF_OK;
     case OPTION_STATE:
-        a->state = text;
+        a->state.file = text;
         a->render_option = a->render_option ? a->render_option : "state";
         return LF_OK;
     case OPTION_STATE_INFO:
-        a->state_info = text;
+        a->state.info = text;
+        return LF_OK;
+    case OPTION_FILES:
+        a->files = text;
         return LF_OK;
     case OPTION_PLAN:
-        a->plan = true;
-        a->render_option = a->render_option ? a->render_option : "plan";
-        return LF_OK;
+    case OPTION_JSON:
+    case OPTION_TASK_MINUTES:
+    case OPTION_TASK_MEMORY:
+        return take_plan(a, code, text, err);
     case OPTION_READ_CHART:
         a->of_print.photo = text;
         return LF_OK;
@@ -161,7 +223,9 @@ static const lf_output_kind *kind_of_option(const char *option)
     for (int i = 0; lf_output_kinds[i]; i++)
         if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
             return lf_output_kinds[i];
-    return strcmp(lf_output_wiggle.option, option) == 0 ? &lf_output_wiggle : NULL;
+    return strcmp(lf_output_wiggle.option, option) == 0     ? &lf_output_wiggle
+           : strcmp(lf_output_hologram.option, option) == 0 ? &lf_output_hologram
+                                                            : NULL;
 }
 
 static void take_video_option(lf_render_arguments *a, const char *option)
@@ -201,8 +265,12 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->depth.option = row->option;
     if (params == lf_simulate_params && !a->of_print.simulate.first)
         a->of_print.simulate.first = row->option;
-    if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
-        a->rgbd_option = row->option;
+    if (params == lf_rgbd_params && !kind && !is_inversion && !a->depth.rgbd)
+        a->depth.rgbd = row->option;
+    if (params == lf_hologram_params && !kind && !a->hologram.option)
+        a->hologram.option = row->option;
+    if (params == lf_state_params && !a->render_option)
+        a->render_option = row->option;
     if (params == lf_video_params && !kind)
         take_video_option(a, row->option);
     if (!a->render_option && (params == lf_integrator_params() ||
@@ -278,6 +346,25 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
     return lf_error_set(err, LF_E_ARG, where, "applies only to OUT.mp4");
 }
 
+static lf_status check_hologram(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_options *o = &a->options;
+    char where[64];
+    if (a->kind != &lf_output_hologram) {
+        snprintf(where, sizeof where, "--%s", a->hologram.option ? a->hologram.option : "");
+        return a->hologram.option
+                   ? lf_error_set(err, LF_E_ARG, where, "needs --hologram and a folder as -o")
+                   : LF_OK;
+    }
+    if (o->preset || o->columns > 0 || a->frames.has_range || a->frames.turntable > 0)
+        return lf_error_set(err, LF_E_ARG, "--hologram", "cannot be combined with --%s",
+                            o->preset             ? "preset; use --hologram-preset"
+                            : o->columns > 0      ? "quilt"
+                            : a->frames.has_range ? "frames; a plate holds one scene"
+                                                  : "turntable; use --hologram-preset");
+    return lf_hologram_check(&a->hologram.options, err);
+}
+
 /* Checks the kind and the options that depend on it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
@@ -298,9 +385,9 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
                                      : "is missing; give WxH in mm");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, reads_panel, err);
-    if (!a->kind->layers && a->rgbd_option)
-        return refuse_option(a->rgbd_option, reads_rgbd, err);
-    if (check_video(a, err) != LF_OK)
+    if (!a->kind->layers && a->depth.rgbd)
+        return refuse_option(a->depth.rgbd, reads_rgbd, err);
+    if (check_video(a, err) != LF_OK || check_hologram(a, err) != LF_OK)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
@@ -421,8 +508,8 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where,
                             "cannot be combined with --%s, which renders nothing", a->kind->option);
-    if (a->stats || a->state)
-        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+    if (a->stats)
+        return lf_error_set(err, LF_E_ARG, "--stats",
                             "cannot be combined with %s; render one frame at a time for it", where);
     if (a->kind == &lf_output_wiggle)
         return lf_error_set(
@@ -496,12 +583,35 @@ static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, 
                                  true, NULL, err);
 }
 
+/* Refuses options that do not go with a part of a picture. */
+static lf_status check_part(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_state_arguments *s = &a->state;
+    const char *where = s->has_rows ? "--rows" : "--stream";
+    const char *other = a->stats                               ? "--stats"
+                        : a->options.target_error > 0          ? "--target-error"
+                        : a->options.target_denoised_error > 0 ? "--target-denoised-error"
+                        : s->has_rows && a->budget.seconds > 0 ? "--time"
+                                                               : NULL;
+    if (!s->file)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "needs --state FILE, which receives what is rendered");
+    if (s->has_rows && s->first_row > s->last_row)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "%d:%d ends before it begins; expected FIRST:LAST with FIRST <= LAST",
+                            s->first_row, s->last_row);
+    if (other)
+        return lf_error_set(err, LF_E_ARG, where, "cannot be combined with %s%s", other,
+                            a->stats ? "" : "; give --spp or --passes");
+    return LF_OK;
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
-    if (a->state_info && (optind < argc || a->out))
+    if (a->state.info && (optind < argc || a->out))
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
-    if (a->state_info)
+    if (a->state.info)
         return LF_OK;
     if (a->of_print.photo || a->of_print.chart_file)
         return check_read_chart(a, optind < argc, err);
@@ -524,9 +634,14 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
     if (take_batch(a, err) != LF_OK)
         return err->status;
-    if (a->depth.batch && a->stats)
-        return lf_error_set(err, LF_E_ARG, "--stats",
+    if (a->depth.batch && (a->stats || a->files))
+        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--files",
                             "cannot be combined with a folder of images with depth");
+    if (a->plan.option && !a->plan.on) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->plan.option);
+        return lf_error_set(err, LF_E_ARG, where, "needs --plan");
+    }
     a->budget.target_error = a->options.target_error;
     a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
@@ -537,6 +652,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                             "cannot be combined; give only one of them");
     if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
+    a->hologram.all_rows = !a->frames.of_rows;
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
@@ -548,6 +664,10 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         status = choose_reconstruction(a, err);
     if (status == LF_OK)
         status = take_plain_preset(a, err);
+    if (status == LF_OK && a->kind == &lf_output_hologram)
+        a->frames.of_rows = true;
+    if (status == LF_OK && lf_state_is_all(&a->state))
+        status = check_part(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
 }
 
@@ -573,10 +693,12 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_check_params, NULL, &a->of_print.check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
+                                     {lf_hologram_params, NULL, &a->hologram.options},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},
                                      {lf_standing_params, standing, &a->options.standing},
                                      {lf_frames_params, NULL, &a->frames},
+                                     {lf_state_params, NULL, &a->state},
                                      {lf_video_params, NULL, &a->video},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
@@ -587,7 +709,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .take = take,
                                     .taken = taken,
                                     .context = a};
-    *a = (lf_render_arguments){.argv = argv};
+    *a = (lf_render_arguments){.argv = argv, .plan.minutes = LF_PLAN_MINUTES};
     lf_param_defaults(lf_print_params, &a->print);
     lf_param_defaults(lf_video_params, &a->video);
     lf_param_defaults(lf_standing_params, &a->options.standing);

@@ -457,3 +457,44 @@ lf_status lf_film_look(int fd, lf_film_layout *out_layout, uint64_t *out_seed, l
     *out_seed = get_u64(&(cursor){seed});
     return LF_OK;
 }
+
+/* Marks the rows that a stream has visited; the head of its part has been read. */
+static lf_status mark_rows(int fd, unsigned char head[HEAD_BYTES], int height, bool *visited,
+                           lf_error *err)
+{
+    lf_film_part whole = {.name = "STRM", .n_made = STREAM_BYTES + (size_t)height * COUNT_BYTES};
+    whole.made = lf_calloc(1, whole.n_made);
+    if (!whole.made)
+        return lf_error_set(err, LF_E_NOMEM, "state", "out of memory");
+    lf_status status = read_content(fd, head, &whole, err);
+    cursor c = {whole.made + STREAM_BYTES};
+    for (int row = 0; row < height && status == LF_OK; row++) {
+        const lf_film_counts counts = get_counts(&c);
+        visited[row] |= lf_film_visited(counts.visits);
+    }
+    lf_free(whole.made);
+    return status;
+}
+
+lf_status lf_film_count_rows(int fd, int *out_rows, lf_error *err)
+{
+    unsigned char head[HEAD_BYTES];
+    lf_film given = {0};
+    lf_status status = read_identity(fd, &given, err);
+    if (status != LF_OK)
+        return status;
+    const int height = given.layout.height;
+    bool *visited = lf_calloc((size_t)height, sizeof *visited);
+    if (!visited)
+        return lf_error_set(err, LF_E_NOMEM, "state", "out of memory");
+    while (status == LF_OK && (status = read_all(fd, head, sizeof head, err)) == LF_OK &&
+           memcmp(head, "STRM", 4) == 0)
+        status = mark_rows(fd, head, height, visited, err);
+    int n = 0;
+    for (int row = 0; row < height; row++)
+        n += visited[row];
+    lf_free(visited);
+    if (status == LF_OK)
+        *out_rows = n;
+    return status;
+}

@@ -201,13 +201,14 @@ static void open_tiny(tiny *t)
     lf_error err = {0};
     json_t *doc = lf_test_scene_document("fog-over-clay");
     const lf_budget budget = {.passes = 4};
+    const lf_job_place place = {.last_row = 2, .frame = -1, .camera_row = -1, .shutter_part = -1};
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &t->scene, &err), &err);
     json_decref(doc);
     lf_render_settings settings = {.camera = *lf_scene_camera(t->scene), .width = 3, .height = 3};
     settings.camera.n_views = 2;
     lf_assert_ok(lf_pool_create(1, &t->pool), NULL);
     lf_assert_ok(lf_renderer_create(t->scene, &settings, t->pool, &t->renderer, &err), &err);
-    t->of = lf_job_state_of("fog", t->renderer, &budget);
+    t->of = lf_job_state_of("fog", t->renderer, &budget, &place);
     assert_non_null(t->of);
 }
 
