@@ -102,8 +102,7 @@ static const uint8_t *sample(const field *f, int hy, int hx, int v, int u)
     return (const uint8_t *)f->bytes + 64 + 3 * (((hy * f->n[1] + hx) * f->n[2] + v) * f->n[3] + u);
 }
 
-/* ---------------------------------------------------------------------------- eyes and plates --
- */
+/* --------------------------------------------------------------------------- eyes and plates -- */
 
 /* A plate of this many scene units. Directions are eyes at this distance, equally spaced; or, for
  * cells, slopes (distance 1, spacing of slopes), the same for all cells. Aperture: the part of a
