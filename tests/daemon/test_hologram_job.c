@@ -166,8 +166,7 @@ static void receipts_list_the_files(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------ presets --
- */
+/* ----------------------------------------------------------------------------------- presets -- */
 
 static void printers_have_rigs(void **state)
 {
@@ -225,8 +224,7 @@ static void a_long_track_is_one_row_of_eyes(void **state)
     json_decref(m);
 }
 
-/* ----------------------------------------------------------------------------------- mistakes --
- */
+/* ---------------------------------------------------------------------------------- mistakes -- */
 
 static void depth_is_told(void **state)
 {
