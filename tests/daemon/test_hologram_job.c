@@ -73,6 +73,8 @@ static void rows_alone_are_the_plate(void **state)
     }
     qr_run(&o, "%s -o %s/ --hologram raw" SMALL, scene, parts);
     qr_assert_fails(&o, 1, "the plate there has another \"flips\"");
+    qr_run(&o, "%s -o %s/ --hologram raw --flip hx --views 2" SMALL, scene, parts);
+    qr_assert_fails(&o, 2, "--views: cannot be combined with --camera-rows");
     qr_run(&o, "%s -o %s/ --hologram raw --flip hx --camera-rows 4:4" SMALL, scene, parts);
     qr_assert_fails(&o, 2, "expected rows within 0:3");
     qr_succeed("%s -o %s/ --hologram raw --overwrite" SMALL, scene, parts);
@@ -193,7 +195,7 @@ static void printers_have_rigs(void **state)
     snprintf(folder, sizeof folder, "%s/few", f->folder);
     qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 5 --view-size 8x10 "
                "--spp 1 --plate-size 100x200",
-               f->scene, folder);
+               grid_of(f), folder);
     m = manifest_of(folder);
     assert_int_equal(number(m, "directions", NULL, 0), 5);
     lf_assert_close(number(m, "plate", NULL, 0) / number(m, "plate", NULL, 1), 0.5, 1e-9, 0);
