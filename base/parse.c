@@ -1,6 +1,8 @@
 #include "base/parse.h"
 
 #include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -69,5 +71,23 @@ lf_status lf_parse_seed(const char *option, const char *text, uint64_t *out, lf_
         return lf_error_set(err, LF_E_ARG, option,
                             "expects a whole number from 0 to %" PRIu64 ", not \"%s\"", UINT64_MAX,
                             text);
+    return LF_OK;
+}
+
+lf_status lf_parse_bytes(const char *option, const char *text, double *out, lf_error *err)
+{
+    static const char units[] = "KMGT";
+    const size_t n = strlen(text);
+    const char *unit = n > 1 ? strchr(units, text[n - 1]) : NULL;
+    char number[64];
+    double value = 0;
+    snprintf(number, sizeof number, "%.*s", (int)(unit ? n - 1 : n), text);
+    const bool is_number = n < sizeof number && lf_decimal_is(number, &value);
+    if (unit)
+        value = ldexp(value, 10 * (int)(unit - units + 1));
+    if (!is_number || !(value >= 1 && value <= 1e18))
+        return lf_error_set(err, LF_E_ARG, option, "expects a size such as 500M or 2G, not \"%s\"",
+                            text);
+    *out = value;
     return LF_OK;
 }

@@ -19,6 +19,10 @@ LF_NODISCARD lf_status lf_parse_small(const char *option, const char *text, int 
 /* "A<separator>B", e.g. "420x560" or "60.13@600", each within [low, high]. */
 LF_NODISCARD lf_status lf_parse_pair(const char *option, const char *text, char separator,
                                      double low, double high, double out[2], lf_error *err);
+/* A size in memory: a positive number of bytes, or with K, M, G or T of 1024, 1024^2 … bytes; at
+ * most 1e18. */
+LF_NODISCARD lf_status lf_parse_bytes(const char *option, const char *text, double *out,
+                                      lf_error *err);
 /* Parses 0..2^64-1, decimal. */
 LF_NODISCARD lf_status lf_parse_seed(const char *option, const char *text, uint64_t *out,
                                      lf_error *err);

@@ -54,6 +54,11 @@ bool lf_print_check_wanted(const lf_check_arguments *arguments, const char *path
             lf_path_has_ending(path, ".pdf"));
 }
 
+const char *lf_print_check_ending(int index)
+{
+    return index < N_WRITTEN ? written[index].ending : NULL;
+}
+
 lf_status lf_print_check_room_beside(const char *path, lf_error *err)
 {
     lf_status status = LF_OK;

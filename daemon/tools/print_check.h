@@ -15,6 +15,8 @@ extern const lf_param lf_check_params[];
 
 /* Whether a print of this name is checked after it was written. Sets of frames are not. */
 bool lf_print_check_wanted(const lf_check_arguments *arguments, const char *path);
+/* The endings of what is written beside a print, ".check.txt"; NULL after the last. */
+const char *lf_print_check_ending(int index);
 /* LF_E_ARG: a report or job sheet of the print would replace a file that is none. */
 LF_NODISCARD lf_status lf_print_check_room_beside(const char *path, lf_error *err);
 /* Removes reports and the job sheet of an earlier print of this name, which say nothing true of one

@@ -13,6 +13,7 @@
 #include "daemon/tools/batch.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/read_chart.h"
+#include "daemon/tools/receipt.h"
 #include "daemon/tools/rendering_plan.h"
 #include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
@@ -120,19 +121,21 @@ static int run(const lf_render_arguments *a)
         lf_rendering_finish(&r);
         return code;
     }
-    if (status == LF_OK && a->plan)
+    if (status == LF_OK && a->plan.on)
         status = lf_rendering_plan(&r, &err);
     else if (status == LF_OK)
         status = r.sequence.on ? lf_rendering_frames(&r, &err) : make_one(&r, &err);
+    if (status == LF_OK && a->files && !a->plan.on)
+        status = lf_receipt_write(&r, &err);
     lf_progress_line_clear(&r.line);
     if (status == LF_E_ARG && strncmp(err.where, "--", 2) == 0) {
         code = lf_usage_error(PROGRAM, &err); /* found only with the renderer */
     } else if (status != LF_OK) {
         lf_log_error(&err);
         code = a->state.file && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
-    } else if (lf_state_is_all(&a->state)) {
+    } else if (!a->plan.on && lf_state_is_all(&a->state)) {
         tell_states(&r, lf_time_now() - begun);
-    } else if (!a->plan) {
+    } else if (!a->plan.on) {
         tell_names(&r, lf_time_now() - begun);
         tell_layout(&r);
     }

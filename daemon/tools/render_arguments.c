@@ -11,6 +11,7 @@
 #include "daemon/tools/job_state.h"
 
 #define MAX_PASSES (INT64_C(1) << 40)
+#define MOST_MINUTES 1e6
 
 enum {
     OPTION_OUT = 'o',
@@ -20,7 +21,11 @@ enum {
     OPTION_STATS,
     OPTION_STATE,
     OPTION_STATE_INFO,
+    OPTION_FILES,
     OPTION_PLAN,
+    OPTION_JSON,
+    OPTION_TASK_MINUTES,
+    OPTION_TASK_MEMORY,
     OPTION_READ_CHART,
     OPTION_CHART_FILE,
 };
@@ -33,7 +38,11 @@ static const struct option table[] = {
     {"stats", required_argument, NULL, OPTION_STATS},
     {"state", required_argument, NULL, OPTION_STATE},
     {"state-info", required_argument, NULL, OPTION_STATE_INFO},
+    {"files", required_argument, NULL, OPTION_FILES},
     {"plan", no_argument, NULL, OPTION_PLAN},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {"task-minutes", required_argument, NULL, OPTION_TASK_MINUTES},
+    {"task-memory", required_argument, NULL, OPTION_TASK_MEMORY},
     {"read-chart", required_argument, NULL, OPTION_READ_CHART},
     {"chart-file", required_argument, NULL, OPTION_CHART_FILE},
     {NULL, 0, NULL, 0},
@@ -59,72 +68,11 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
                                               " exposure panel png still quality target-error "
                                               "target-denoised-error target-shown-error aov"
                                               " fit guides";
-/* depth-inversion is an option of --rgbd, too, which has it in its table. */
-static const char standing[] =
-    "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y";
 static const char of_depth[] = "chroma-depth depthiness depth-cutoff";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
     "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
-
-static void print_help(void)
-{
-    printf("Usage: quiltrender SCENE -o OUT [options]\n"
-           "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
-           "       quiltrender --read-chart PHOTO.jpg [--chart-file CHART.json] [-o RESULT.json]\n"
-           "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
-           "       quiltrender --state-info FILE\n"
-           "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
-           "folder of views.\n"
-           "SCENE may also be a mesh or a volume (.glb, .obj, .vdb ...), which quiltrender frames "
-           "and lights,\n"
-           "or a finished quilt image or folder of views, which it does not render again.\n\n"
-           "The ending of OUT chooses the output: .png, .exr or .jpg a quilt, named "
-           "..._qsCxRaASPECT, or one view, as named;\n"
-           ".tif a print; .mp4 a video; .gif a loop; a path ending in / a folder of views.\n\n"
-           "What to render:\n");
-    lf_param_print_help(lf_option_params,
-                        LF_OPTIONS_VIEWS " fit exposure panel png still quality aov guides");
-    lf_param_print_help(lf_panel_params, NULL);
-    lf_param_print_help(lf_response_params, NULL);
-    lf_param_print_help(lf_print_params, NULL);
-    lf_param_print_help(lf_profile_params, NULL);
-    lf_param_print_help(lf_check_params, NULL);
-    lf_param_print_help(lf_rgbd_params, NULL);
-    lf_param_print_help(lf_alone_params, NULL);
-    lf_param_print_help(lf_photo_params, NULL);
-    lf_param_print_help(lf_picture_params, NULL);
-    lf_param_print_help(lf_standing_params, standing);
-    printf("\n"
-           "How long to render (one of these; default --passes %d, or --spp %d without "
-           "denoising):\n"
-           "  --passes N             render N base paths per pixel of one view\n"
-           "  --spp N                render N base paths per view pixel\n"
-           "  --time SECONDS         render as many pairs of passes as fit into SECONDS, at "
-           "least one\n",
-           LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error target-denoised-error");
-    printf("\nA finished print, seen through its sheet (with --print and the options after it):\n");
-    lf_param_print_help(lf_simulate_params, NULL);
-    printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
-    lf_param_print_help(lf_frames_params, NULL);
-    lf_param_print_help(lf_video_params, NULL);
-    printf("\nHow to render:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
-    lf_param_print_help(lf_integrator_params(), NULL);
-    lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
-    printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
-           "interrupted)\n");
-    lf_param_print_help(lf_state_params, NULL);
-    printf("  --state-info FILE      print the contents of a state file as JSON\n"
-           "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
-           "sheet\n"
-           "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
-           "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
-           "  --plan                 print estimated costs and one command per task; render "
-           "nothing\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
-}
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
 {
@@ -138,6 +86,28 @@ static lf_status take_budget(lf_render_arguments *a, int code, const char *text,
         return lf_parse_int("--spp", text, 1, MAX_PASSES / LF_MAX_VIEWS, &a->spp, err);
     default:
         return lf_parse_double("--time", text, 1e-3, 1e9, &a->budget.seconds, err);
+    }
+}
+
+static lf_status take_plan(lf_render_arguments *a, int code, const char *text, lf_error *err)
+{
+    lf_plan_arguments *p = &a->plan;
+    if (!p->option && code != OPTION_PLAN)
+        p->option = code == OPTION_JSON           ? "json"
+                    : code == OPTION_TASK_MINUTES ? "task-minutes"
+                                                  : "task-memory";
+    switch (code) {
+    case OPTION_JSON:
+        p->json = true;
+        return LF_OK;
+    case OPTION_TASK_MINUTES:
+        return lf_parse_double("--task-minutes", text, 0, MOST_MINUTES, &p->minutes, err);
+    case OPTION_TASK_MEMORY:
+        return lf_parse_bytes("--task-memory", text, &p->memory, err);
+    default:
+        p->on = true;
+        a->render_option = a->render_option ? a->render_option : "plan";
+        return LF_OK;
     }
 }
 
@@ -158,10 +128,14 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_STATE_INFO:
         a->state.info = text;
         return LF_OK;
-    case OPTION_PLAN:
-        a->plan = true;
-        a->render_option = a->render_option ? a->render_option : "plan";
+    case OPTION_FILES:
+        a->files = text;
         return LF_OK;
+    case OPTION_PLAN:
+    case OPTION_JSON:
+    case OPTION_TASK_MINUTES:
+    case OPTION_TASK_MEMORY:
+        return take_plan(a, code, text, err);
     case OPTION_READ_CHART:
         a->of_print.photo = text;
         return LF_OK;
@@ -179,7 +153,9 @@ static const lf_output_kind *kind_of_option(const char *option)
     for (int i = 0; lf_output_kinds[i]; i++)
         if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
             return lf_output_kinds[i];
-    return strcmp(lf_output_wiggle.option, option) == 0 ? &lf_output_wiggle : NULL;
+    return strcmp(lf_output_wiggle.option, option) == 0     ? &lf_output_wiggle
+           : strcmp(lf_output_hologram.option, option) == 0 ? &lf_output_hologram
+                                                            : NULL;
 }
 
 static void take_video_option(lf_render_arguments *a, const char *option)
@@ -219,8 +195,10 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->depth.option = row->option;
     if (params == lf_simulate_params && !a->of_print.simulate.first)
         a->of_print.simulate.first = row->option;
-    if (params == lf_rgbd_params && !kind && !is_inversion && !a->rgbd_option)
-        a->rgbd_option = row->option;
+    if (params == lf_rgbd_params && !kind && !is_inversion && !a->depth.rgbd)
+        a->depth.rgbd = row->option;
+    if (params == lf_hologram_params && !kind && !a->hologram.option)
+        a->hologram.option = row->option;
     if (params == lf_state_params && !a->render_option)
         a->render_option = row->option;
     if (params == lf_video_params && !kind)
@@ -298,6 +276,25 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
     return lf_error_set(err, LF_E_ARG, where, "applies only to OUT.mp4");
 }
 
+static lf_status check_hologram(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_options *o = &a->options;
+    char where[64];
+    if (a->kind != &lf_output_hologram) {
+        snprintf(where, sizeof where, "--%s", a->hologram.option ? a->hologram.option : "");
+        return a->hologram.option
+                   ? lf_error_set(err, LF_E_ARG, where, "needs --hologram and a folder as -o")
+                   : LF_OK;
+    }
+    if (o->preset || o->columns > 0 || a->frames.has_range || a->frames.turntable > 0)
+        return lf_error_set(err, LF_E_ARG, "--hologram", "cannot be combined with --%s",
+                            o->preset             ? "preset; use --hologram-preset"
+                            : o->columns > 0      ? "quilt"
+                            : a->frames.has_range ? "frames; a plate holds one scene"
+                                                  : "turntable; use --hologram-preset");
+    return lf_hologram_check(&a->hologram.options, err);
+}
+
 /* Checks the kind and the options that depend on it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
@@ -318,9 +315,9 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
                                      : "is missing; give WxH in mm");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, reads_panel, err);
-    if (!a->kind->layers && a->rgbd_option)
-        return refuse_option(a->rgbd_option, reads_rgbd, err);
-    if (check_video(a, err) != LF_OK)
+    if (!a->kind->layers && a->depth.rgbd)
+        return refuse_option(a->depth.rgbd, reads_rgbd, err);
+    if (check_video(a, err) != LF_OK || check_hologram(a, err) != LF_OK)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
@@ -567,9 +564,14 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     a->options.standing.depth_inversion = a->rgbd.near_is_black;
     if (take_batch(a, err) != LF_OK)
         return err->status;
-    if (a->depth.batch && a->stats)
-        return lf_error_set(err, LF_E_ARG, "--stats",
+    if (a->depth.batch && (a->stats || a->files))
+        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--files",
                             "cannot be combined with a folder of images with depth");
+    if (a->plan.option && !a->plan.on) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->plan.option);
+        return lf_error_set(err, LF_E_ARG, where, "needs --plan");
+    }
     a->budget.target_error = a->options.target_error;
     a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
@@ -580,6 +582,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                             "cannot be combined; give only one of them");
     if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
+    a->hologram.all_rows = !a->frames.of_rows;
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
@@ -591,6 +594,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         status = choose_reconstruction(a, err);
     if (status == LF_OK)
         status = take_plain_preset(a, err);
+    if (status == LF_OK && a->kind == &lf_output_hologram)
+        a->frames.of_rows = true;
     if (status == LF_OK && lf_state_is_all(&a->state))
         status = check_part(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
@@ -618,9 +623,10 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_check_params, NULL, &a->of_print.check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
+                                     {lf_hologram_params, NULL, &a->hologram.options},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},
-                                     {lf_standing_params, standing, &a->options.standing},
+                                     {lf_standing_params, LF_RENDER_STANDING, &a->options.standing},
                                      {lf_frames_params, NULL, &a->frames},
                                      {lf_state_params, NULL, &a->state},
                                      {lf_video_params, NULL, &a->video},
@@ -629,11 +635,11 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .letters = ":o:",
                                     .parts = parts,
                                     .table = table,
-                                    .print_help = print_help,
+                                    .print_help = lf_render_help,
                                     .take = take,
                                     .taken = taken,
                                     .context = a};
-    *a = (lf_render_arguments){.argv = argv};
+    *a = (lf_render_arguments){.argv = argv, .plan.minutes = LF_PLAN_MINUTES};
     lf_param_defaults(lf_print_params, &a->print);
     lf_param_defaults(lf_video_params, &a->video);
     lf_param_defaults(lf_standing_params, &a->options.standing);

@@ -3,6 +3,7 @@
 #define LF_DAEMON_RENDER_ARGUMENTS_H
 
 #include "daemon/output/frames.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
@@ -21,6 +22,7 @@
 typedef struct lf_depth_arguments {
     bool inverts;       /* --depth-inversion was given; of --rgbd and of pictures with depth */
     const char *option; /* the first option that needs a picture with depth */
+    const char *rgbd;   /* the first option that needs --rgbd */
     /* The folder that gets one output for each picture with depth in the folder `scene` (batch.h);
      * `out` is then a name for checks. NULL: one output */
     const char *batch;
@@ -39,6 +41,13 @@ typedef struct lf_print_arguments {
     const char *photo, *chart_file;
 } lf_print_arguments;
 
+/* Options of holograms. */
+typedef struct lf_hologram_arguments {
+    lf_hologram_options options;
+    const char *option; /* the first option that needs --hologram */
+    bool all_rows;      /* no --camera-rows: all rows, and what needs all of them */
+} lf_hologram_arguments;
+
 /* Options of states. */
 typedef struct lf_state_arguments {
     const char *file; /* NULL: the accumulation is not saved */
@@ -56,13 +65,25 @@ static inline bool lf_state_is_all(const lf_state_arguments *state)
     return state->has_rows || state->has_stream;
 }
 
+/* Options of plans: the cost of a job and its tasks, instead of rendering. */
+typedef struct lf_plan_arguments {
+    bool on;
+    bool json;          /* as one object */
+    double minutes;     /* of a task, on as many cores as it has threads; 0: one light field each */
+    double memory;      /* of a task, bytes; 0: no limit */
+    const char *option; /* the first option that needs --plan */
+} lf_plan_arguments;
+
+#define LF_PLAN_MINUTES 20
+
 /* The parsed command line. */
 typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
     const char *scene;  /* NULL for a chart */
     const char *out, *stats;
     lf_state_arguments state;
-    bool plan;         /* print the expected cost instead of rendering */
+    const char *files; /* the receipt; NULL: none */
+    lf_plan_arguments plan;
     char *const *argv; /* the whole command line, ended by NULL */
     const lf_output_kind *kind;
     const lf_output_kind *asked, *asked_too; /* the first two kinds whose options were given */
@@ -77,15 +98,20 @@ typedef struct lf_render_arguments {
     lf_print print;           /* of the options alone */
     lf_panel_options panel;
     const char *photo_option; /* the first option that needs a finished picture */
-    const char *rgbd_option;  /* the first option that needs --rgbd */
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
+    lf_hologram_arguments hologram;
     lf_frames frames; /* checked */
     lf_video_options video;
     bool has_codec, has_fps;
     const char *video_option; /* the first option that needs a video */
     const char *mp4_option;   /* the first of these that does not apply to a GIF */
 } lf_render_arguments;
+
+/* Options of lf_standing_params; depth-inversion is in lf_rgbd_params, too, which has it. */
+#define LF_RENDER_STANDING "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y"
+/* Prints --help. */
+void lf_render_help(void);
 
 /* Parses argv into *out (strings point into it; unused members are zero). *out_done: --help or
  * --version was printed. LF_E_ARG with the option as `where`; LF_E_IO: the folder of a batch is

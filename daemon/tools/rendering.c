@@ -10,6 +10,7 @@
 #include "daemon/output/blank.h"
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
+#include "daemon/tools/rendering_plate.h"
 
 #define WITNESS_ROWS 32 /* of a print, to compare with the file */
 
@@ -93,6 +94,8 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 /* Warns of a depth that exceeds the limit, and of guides without a limit. */
 static void warn_of_depth(const lf_rendering *r)
 {
+    if (r->sequence.plate)
+        return; /* it has its own limit */
     const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
     const lf_render_settings settings = lf_rendering_in_lenses(r);
     lf_depth depth;
@@ -465,6 +468,8 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     };
     if (lf_rendering_is_track(r))
         status = write_track(r, &request, &source, err);
+    else if (r->sequence.plate)
+        status = lf_rendering_plate_write(r, &request, &source, err);
     else
         status = r->video ? lf_video_add(r->video, &request, &source, err)
                           : lf_output_write(&request, &source, err);
@@ -523,6 +528,7 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
 
 void lf_rendering_finish(lf_rendering *r)
 {
+    lf_rendering_plate_close(r);
     lf_video_destroy(r->video);
     lf_renderer_destroy(r->renderer);
     lf_scene_unref(r->scene);

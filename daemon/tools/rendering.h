@@ -6,12 +6,15 @@
 #include "daemon/tools/progress_line.h"
 #include "daemon/tools/render_arguments.h"
 
+typedef struct lf_plate_job lf_plate_job;
+
 /* Progress of a sequence; zeroed: one picture. */
 typedef struct lf_sequence_state {
     bool on;
     int frame;            /* current frame */
     int n_done, n_wanted; /* of the frames whose files did not exist at the start */
     double begun;         /* start of the first of them */
+    lf_plate_job *plate;  /* --hologram (rendering_plate.h); NULL: none */
 } lf_sequence_state;
 
 /* Between two saves of --state, seconds. */

@@ -6,11 +6,14 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/content.h"
+#include "daemon/tools/rendering_plate.h"
 #include "daemon/tools/rendering_shared.h"
 
 /* True if all files of the frame named r->path exist. */
 static bool is_there(const lf_rendering *r)
 {
+    if (r->sequence.plate)
+        return lf_rendering_plate_has(r, r->sequence.frame);
     const lf_output_kind *kind = lf_rendering_kind(r);
     int n = lf_output_n_files(kind, &r->print, lf_camera_views(&r->settings.camera));
     bool there = true;
@@ -158,6 +161,8 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
         status = make_frames(r, wanted, err);
     if (status == LF_OK && r->video)
         status = lf_video_finish(r->video, err);
+    if (status == LF_OK)
+        status = lf_rendering_plate_finish(r, err);
     lf_free(wanted);
     return status == LF_E_CANCELLED ? lf_rendering_interrupted(r, err) : status;
 }

@@ -16,8 +16,9 @@
 #include "daemon/output/content.h"
 #include "daemon/output/fit.h"
 #include "daemon/output/hld.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/rgbd_views.h"
-#include "daemon/tools/rendering.h"
+#include "daemon/tools/rendering_plate.h"
 
 /* Open files in addition to the files of an output. */
 #define OTHER_FILES 64
@@ -329,6 +330,8 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     lf_progress_line_clear(&r->line);
     if (status == LF_OK)
         lf_log_warnings(r->scene, NULL);
+    if (status == LF_OK)
+        status = lf_rendering_plate_open(r, err);
     if (status == LF_OK && moves && a->frames.turntable == 0 && !lf_scene_has_frames(r->scene))
         return lf_error_set(err, LF_E_ARG, "--frames",
                             "%s has no animation (a file name with %%04d, a glTF animation or "
@@ -342,7 +345,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     const lf_preset *preset = lf_options_preset(&a->options);
     if (status == LF_OK && preset && preset->is_plain)
         return whiten(r, err);
-    return status == LF_OK && a->options.fit.on ? fit(r, err) : status;
+    if (status == LF_OK && a->options.fit.on)
+        status = fit(r, err);
+    return status == LF_OK ? lf_rendering_plate_rig(r, err) : status;
 }
 
 /* Publishing by renaming would replace the input. Either may be NULL. */
@@ -410,6 +415,8 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     lf_status status = check_not_input(r->path, a->scene, err);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
+    if (status == LF_OK && a->files)
+        status = check_not_input(a->files, a->scene, err);
     if (status == LF_OK && a->state.file)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
@@ -417,7 +424,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     if (status == LF_OK && a->kind->check_print &&
         lf_print_check_wanted(&a->of_print.check, r->path))
         status = lf_print_check_room_beside(r->path, err);
-    if (status == LF_OK && a->kind->check_print && !a->plan && !lf_state_is_all(&a->state))
+    if (status == LF_OK && a->kind->check_print && !a->plan.on && !lf_state_is_all(&a->state))
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
@@ -426,7 +433,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
 static char *out_of(const lf_rendering *r, int frame)
 {
     const lf_render_arguments *a = r->arguments;
-    bool is_one = !r->sequence.on || a->kind == &lf_output_video;
+    bool is_one = !r->sequence.on || a->kind == &lf_output_video || a->kind == &lf_output_hologram;
     return is_one ? lf_strdup(a->out) : lf_frames_path(a->out, frame);
 }
 
@@ -470,6 +477,8 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     lf_free(first);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
+    if (status == LF_OK && a->files)
+        status = check_folder_of(a->files, err);
     if (status == LF_OK && a->state.file)
         status = check_folder_of(a->state.file, err);
     return status;
@@ -482,7 +491,10 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     lf_film_settings film = *lf_scene_film_settings(r->scene);
     if (a->options.has_exposure)
         film = lf_exposed_film(&film, a->options.exposure);
-    if (!film.auto_exposure || lf_output_is_light(a->kind, a->out))
+    const bool is_light = a->kind == &lf_output_hologram
+                              ? a->hologram.options.format == LF_PLATE_EXR
+                              : lf_output_is_light(a->kind, a->out);
+    if (!film.auto_exposure || is_light)
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
                         "%sauto would give each of the %s another exposure; pass --exposure STOPS "
@@ -539,7 +551,7 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                                       : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
-    if (status == LF_OK && is_track && !r->arguments->plan &&
+    if (status == LF_OK && is_track && !r->arguments->plan.on &&
         !lf_state_is_all(&r->arguments->state))
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)
@@ -647,6 +659,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = open_video(r, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
+    if (status == LF_OK)
+        status = lf_rendering_plate_begin(r, err);
     if (status == LF_OK && lf_pool_create(a->options.threads, &r->pool) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "--threads", "cannot start the worker threads");
     return status;

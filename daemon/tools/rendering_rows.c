@@ -32,14 +32,19 @@ lf_status lf_rendering_scene_row(const lf_rendering *r, lf_camera *out, lf_error
         return lf_error_set(err, LF_E_ARG, "--camera-rows",
                             "cannot be combined with --%s, which defines its own cameras",
                             kind->option);
-    if (check_rows(r, camera, err) != LF_OK)
+    const bool one = r->sequence.plate && camera->n_rows == 0; /* a plate of one row */
+    if (one && r->arguments->frames.last > 0)
+        return lf_error_set(err, LF_E_ARG, "--camera-rows",
+                            "the plate has one row of cameras; expected 0:0");
+    if (!one && check_rows(r, camera, err) != LF_OK)
         return LF_E_ARG;
     if (o->views > 0 || o->preset)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--views",
             "cannot be combined with --camera-rows, because the scene defines the rows");
     *out = *camera;
-    lf_camera_deepen(out); /* the whole grid, as without --camera-rows */
+    if (!one)
+        lf_camera_deepen(out); /* the whole grid, as without --camera-rows */
     *out = lf_camera_row(out, r->sequence.frame);
     return LF_OK;
 }

@@ -8,18 +8,16 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file_hash.h"
 #include "base/version.h"
 #include "quilt/print/blur.h"
 #include "quilt/print/flip.h"
 #include "quilt/print/relief.h"
 #include "quilt/print/sheet.h"
 
-#define HEX_SIZE (2 * SHA256_DIGEST_SIZE + 1)
-#define READ_BYTES (64 << 10)
-
 /* ------------------------------------------------------------------------------------ hashes -- */
 
-static void hex_digest(struct sha256_ctx *hash, char out[static HEX_SIZE])
+static void hex_digest(struct sha256_ctx *hash, char out[static LF_HASH_TEXT])
 {
     uint8_t digest[SHA256_DIGEST_SIZE];
     sha256_digest(hash, sizeof digest, digest);
@@ -27,7 +25,7 @@ static void hex_digest(struct sha256_ctx *hash, char out[static HEX_SIZE])
         snprintf(out + 2 * i, 3, "%02x", digest[i]);
 }
 
-static void hash_bytes(const void *data, size_t size, char out[static HEX_SIZE])
+static void hash_bytes(const void *data, size_t size, char out[static LF_HASH_TEXT])
 {
     struct sha256_ctx hash;
     sha256_init(&hash);
@@ -46,34 +44,14 @@ static int open_to_read(const lf_outfile *file)
     return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
 }
 
-static bool hash_descriptor(int fd, struct sha256_ctx *hash, uint8_t *buffer, int64_t *out_size)
-{
-    *out_size = 0;
-    for (;;) {
-        const ssize_t n = pread(fd, buffer, READ_BYTES, (off_t)*out_size);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return n == 0;
-        sha256_update(hash, (size_t)n, buffer);
-        *out_size += n;
-    }
-}
-
 /* False: the file cannot be read back. */
-static bool hash_file(const lf_outfile *file, char out[static HEX_SIZE], int64_t *out_size)
+static bool hash_file(const lf_outfile *file, char out[static LF_HASH_TEXT], int64_t *out_size)
 {
-    uint8_t *buffer = lf_calloc(1, READ_BYTES);
     const int fd = open_to_read(file);
-    struct sha256_ctx hash;
-    sha256_init(&hash);
-    const bool read_all = buffer && fd >= 0 && hash_descriptor(fd, &hash, buffer, out_size);
-    if (read_all)
-        hex_digest(&hash, out);
+    const bool is_read = fd >= 0 && lf_file_hash(fd, out, out_size);
     if (fd >= 0)
         close(fd);
-    lf_free(buffer);
-    return read_all;
+    return is_read;
 }
 
 /* ------------------------------------------------------------------------------------- parts -- */
@@ -82,7 +60,7 @@ json_t *lf_print_file_json(const lf_outfile *file)
 {
     const char *slash = file->path ? strrchr(file->path, '/') : NULL;
     const char *name = slash ? slash + 1 : file->path;
-    char hash[HEX_SIZE];
+    char hash[LF_HASH_TEXT];
     int64_t size = 0;
     if (!hash_file(file, hash, &size))
         return json_pack("{s:s?, s:n, s:n}", "name", name, "bytes", "sha256");
@@ -315,7 +293,7 @@ static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
 {
     size_t size;
     const void *profile = lf_print_colour_profile(facts->colour, &size);
-    char hash[HEX_SIZE];
+    char hash[LF_HASH_TEXT];
     hash_bytes(profile, size, hash);
     const bool is_cmyk = lf_print_colour_channels(facts->colour) == 4;
     return json_pack("{s:s, s:O, s:O, s:{s:s, s:s, s:I}, s:o*}", "space", is_cmyk ? "CMYK" : "RGB",

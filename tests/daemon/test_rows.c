@@ -119,7 +119,8 @@ static void the_commands_of_a_plan_do_the_job(void **state)
     qr_outcome o;
     snprintf(scene, sizeof scene, "%s", grid_of(f));
     const int before = qr_count_files(f->folder);
-    qr_run(&o, "--plan %s -o %s/it's_%%d/ --camera-rows=0:2 --spp 1 " SIZE, scene, f->folder);
+    qr_run(&o, "--plan --task-minutes 0 %s -o %s/it's_%%d/ --camera-rows=0:2 --spp 1 " SIZE, scene,
+           f->folder);
     assert_int_equal(o.code, 0);
     assert_int_equal(qr_count_files(f->folder), before);
     assert_non_null(strstr(o.out, "# 3 rows of 2 views of 8x6 pixels\n"));
@@ -129,7 +130,8 @@ static void the_commands_of_a_plan_do_the_job(void **state)
     run_command(o.out, 2);
     assert_true(qr_exists(f->folder, "it's_2/view_001.exr"));
     assert_false(qr_exists(f->folder, "it's_1"));
-    qr_run(&o, "--pl --camera-r 0:2 --spp 1 -o %s/short_%%d/ " SIZE " -- %s", f->folder, scene);
+    qr_run(&o, "--plan --task-mi 0 --camera-r 0:2 --spp 1 -o %s/short_%%d/ " SIZE " -- %s",
+           f->folder, scene);
     assert_int_equal(count_commands(o.out), ROWS);
     run_command(o.out, 1);
     assert_true(qr_exists(f->folder, "short_1/view_001.exr"));
@@ -146,8 +148,8 @@ static void a_plan_of_frames_parts_them(void **state)
     const qr_files *f = *state;
     char scene[PATH_MAX];
     qr_outcome o;
-    qr_run(&o, "%s -o %s/t.png --turntable 5 --frames 2:4 --spp 1 --plan " SIZE, f->scene,
-           f->folder);
+    qr_run(&o, "%s -o %s/t.png --turntable 5 --frames 2:4 --spp 1 --plan --task-min 0 " SIZE,
+           f->scene, f->folder);
     assert_int_equal(o.code, 0);
     assert_int_equal(count_commands(o.out), 3);
     assert_non_null(strstr(o.out, "--turntable 5 --spp 1 --view-size 8x6 --seed 5"));
@@ -157,7 +159,7 @@ static void a_plan_of_frames_parts_them(void **state)
                            "{ \"include\": \"fog.json\", \"camera\": { \"shutter\": 2 },\n"
                            "\"lights\": { \"sky\": { \"radiance\": { \"keys\": [[1, [1, 1, 1]], "
                            "[9, [2, 2, 2]]] } } } }\n"));
-    qr_run(&o, "%s -o %s/m.exr --frames 1:20 --time 1 --plan " SIZE, scene, f->folder);
+    qr_run(&o, "%s -o %s/m.exr --frames 1:20 --time 1 --plan --task-min 0 " SIZE, scene, f->folder);
     assert_int_equal(o.code, 0);
     assert_int_equal(count_commands(o.out), 3);
     assert_non_null(strstr(o.out, "# --time gives the time\n"));

@@ -1,0 +1,350 @@
+/* --plan of quiltrender as JSON, and receipts: what programs read. */
+#include <jansson.h>
+#include <nettle/sha2.h>
+
+#include "tests/daemon/quiltrender.h"
+
+#define SIZE "--view-size 8x6 --seed 5 "
+
+static const char *grid_of(const qr_files *f)
+{
+    return lf_test_write(
+        f->folder, "grid.json",
+        "{ \"include\": \"fog.json\", \"camera\": { \"views\": { \"grid\": { \"columns\": 2, "
+        "\"rows\": 3, \"width\": 1, \"height\": 1.5 } } } }\n");
+}
+
+static json_t *plan_of(const char *line)
+{
+    qr_outcome o;
+    json_error_t error;
+    qr_run_limited(&o, line, RLIM_INFINITY);
+    if (o.code != 0)
+        fail_msg("%s: exit %d, %s", line, o.code, o.err);
+    json_t *plan = json_loads(o.out, 0, &error);
+    if (!plan)
+        fail_msg("%s: %s: %s", line, error.text, o.out);
+    return plan;
+}
+
+static json_t *plan(const char *fmt, ...) LF_PRINTF(1, 2);
+static json_t *plan(const char *fmt, ...)
+{
+    char line[4 * PATH_MAX];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(line, sizeof line, fmt, args);
+    va_end(args);
+    return plan_of(line);
+}
+
+static json_int_t whole_of(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    assert_true(json_is_integer(value));
+    return json_integer_value(value);
+}
+
+/* Compares a member with JSON text. */
+static void assert_member(const json_t *object, const char *key, const char *expected)
+{
+    char *text = json_dumps(json_object_get(object, key), JSON_ENCODE_ANY | JSON_COMPACT);
+    assert_non_null(text);
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+static const json_t *item(const json_t *object, const char *list, size_t i)
+{
+    const json_t *entry = json_array_get(json_object_get(object, list), i);
+    assert_non_null(entry);
+    return entry;
+}
+
+static size_t count(const json_t *object, const char *list)
+{
+    return json_array_size(json_object_get(object, list));
+}
+
+static bool has_word(const json_t *object, const char *list, const char *word)
+{
+    size_t i;
+    const json_t *entry;
+    json_array_foreach(json_object_get(object, list), i, entry)
+    {
+        if (strcmp(json_string_value(entry), word) == 0)
+            return true;
+    }
+    return false;
+}
+
+static void rows_of_cameras_are_tasks(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p = plan("--plan --json --task-minutes=0 %s -o %s/r_%%d/ --camera-rows=1:2 --spp 1 "
+                     "--threads 1 " SIZE,
+                     grid_of(f), f->folder);
+    assert_member(p, "field_option", "\"--camera-rows\"");
+    assert_member(p, "fields", "[1,2]");
+    assert_member(p, "kind", "\"views\"");
+    assert_member(p, "finishes", "[]");
+    assert_member(p, "frames_output", "null");
+    assert_int_equal(whole_of(p, "views"), 2);
+    assert_int_equal(whole_of(p, "width"), 8);
+    assert_int_equal(whole_of(p, "height"), 6);
+    assert_int_equal(whole_of(p, "light_fields"), 2);
+    assert_int_equal(whole_of(p, "threads"), 1);
+    assert_int_equal(whole_of(p, "files_bytes"), 2 * 2 * 8 * 6 * 12);
+    assert_int_equal(count(p, "tasks"), 2);
+    assert_member(item(p, "tasks", 1), "fields", "[2,2]");
+    assert_member(item(p, "tasks", 1), "rows", "null");
+    assert_true(json_is_real(json_object_get(item(p, "tasks", 0), "cpu_seconds")));
+    assert_true(whole_of(p, "memory") >= whole_of(item(p, "tasks", 0), "memory"));
+    assert_true(whole_of(p, "state_bytes") > 0);
+    assert_string_equal(json_string_value(item(p, "command", 0)), "quiltrender");
+    assert_true(has_word(p, "command", "--threads"));
+    for (const char *const *word = (const char *const[]){"--plan", "--json", "--task-minutes=0",
+                                                         "--camera-rows=1:2", NULL};
+         *word; word++)
+        assert_false(has_word(p, "command", *word));
+    json_decref(p);
+}
+
+/* Without a limit the job is one task, which names its light fields. */
+static void a_short_job_is_one_task(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p = plan("--plan --json %s -o %s/r_%%d/ --camera-rows 0:2 --spp 1 " SIZE, grid_of(f),
+                     f->folder);
+    assert_int_equal(count(p, "tasks"), 1);
+    assert_member(item(p, "tasks", 0), "fields", "[0,2]");
+    json_decref(p);
+    p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE, f->scene, f->folder);
+    assert_int_equal(count(p, "tasks"), 1);
+    assert_member(p, "field_option", "null");
+    assert_member(p, "fields", "null");
+    assert_member(item(p, "tasks", 0), "fields", "null");
+    assert_member(item(p, "tasks", 0), "rows", "null");
+    json_decref(p);
+}
+
+/* Too large for a task: bands of image rows, whose states a finish merges. */
+static void a_large_light_field_is_bands(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p =
+        plan("--plan --json --task-memory 1K %s -o %s/one.png --spp 2 " SIZE, f->scene, f->folder);
+    assert_int_equal(count(p, "tasks"), 6);
+    for (size_t i = 0; i < 6; i++) {
+        char rows[16];
+        snprintf(rows, sizeof rows, "[%zu,%zu]", i, i);
+        assert_member(item(p, "tasks", i), "rows", rows);
+        assert_member(item(p, "tasks", i), "fields", "null");
+    }
+    assert_int_equal(count(p, "finishes"), 1);
+    assert_member(item(p, "finishes", 0), "tasks", "[0,5]");
+    assert_true(whole_of(item(p, "finishes", 0), "memory") >
+                whole_of(item(p, "tasks", 0), "memory"));
+    json_decref(p);
+}
+
+/* Bands need passes that are known, and rows that know nothing of each other. */
+static void other_light_fields_stay_whole(void **state)
+{
+    const qr_files *f = *state;
+    const char *const options[] = {"--time 1", "--target-denoised-error 0.01 --denoise on",
+                                   "--target-error 0.01", "--integrator amvpt --spp 1"};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        json_t *p = plan("--plan --json --task-memory 1K %s -o %s/one.png %s " SIZE, f->scene,
+                         f->folder, options[i]);
+        assert_int_equal(count(p, "tasks"), 1);
+        assert_member(item(p, "tasks", 0), "rows", "null");
+        if (strncmp(options[i], "--target", 8) == 0)
+            assert_member(p, "cpu_seconds", "null");
+        else
+            assert_true(json_is_real(json_object_get(p, "cpu_seconds")));
+        json_decref(p);
+    }
+}
+
+/* A grid that becomes one output: states of camera rows, and one finish. */
+static void a_grid_in_one_output_is_joined(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p = plan("--plan --json --task-minutes 0 --files s %s -o %s/all/ --spp 1 " SIZE,
+                     grid_of(f), f->folder);
+    assert_member(p, "field_option", "\"--camera-rows\"");
+    assert_member(p, "fields", "[0,2]");
+    assert_int_equal(whole_of(p, "views"), 6);
+    assert_int_equal(count(p, "tasks"), 3);
+    assert_member(item(p, "tasks", 2), "fields", "[2,2]");
+    assert_member(item(p, "tasks", 2), "rows", "[0,5]");
+    assert_int_equal(count(p, "finishes"), 1);
+    assert_member(item(p, "finishes", 0), "fields", "null");
+    assert_member(item(p, "finishes", 0), "tasks", "[0,2]");
+    assert_false(has_word(p, "command", "--files"));
+    json_decref(p);
+}
+
+/* A video: tasks write frames, which a finish joins. */
+static void a_video_is_frames_and_a_finish(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p = plan("--plan --json --task-minutes 0 %s -o %s/turn.mp4 --turntable 4 --crf 20 "
+                     "--codec=h265 --spp 1 --quilt 3x2 --views 6 " SIZE,
+                     f->scene, f->folder);
+    assert_member(p, "field_option", "\"--frames\"");
+    assert_member(p, "fields", "[1,4]");
+    assert_int_equal(count(p, "tasks"), 4);
+    assert_member(item(p, "tasks", 3), "fields", "[4,4]");
+    assert_member(item(p, "tasks", 3), "rows", "null");
+    assert_int_equal(count(p, "finishes"), 1);
+    const char *frames = json_string_value(json_object_get(p, "frames_output"));
+    assert_non_null(frames);
+    assert_int_equal(strncmp(frames, "frames/turn_%04d_qs3x2a", 23), 0);
+    assert_true(has_word(p, "command", frames));
+    assert_true(has_word(p, "command", "--turntable"));
+    assert_false(has_word(p, "command", "--crf") || has_word(p, "command", "20") ||
+                 has_word(p, "command", "--codec=h265"));
+    assert_true(has_word(p, "join", frames) && has_word(p, "join", "--crf") &&
+                has_word(p, "join", "20") && has_word(p, "join", "--codec=h265") &&
+                has_word(p, "join", "1:4"));
+    json_decref(p);
+}
+
+/* The sums of an image row are in the memory of a band exactly, with those of what holds them. */
+static void memory_of_the_film_is_exact(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p = plan("--plan --json --task-memory 1K %s -o %s/one.png --spp 2 --denoise off "
+                     "--views 6 " SIZE,
+                     f->scene, f->folder);
+    const json_int_t row = whole_of(p, "state_bytes"),
+                     all = whole_of(item(p, "finishes", 0), "memory"),
+                     band = whole_of(item(p, "tasks", 0), "memory"),
+                     image = 6 * 8 * 6 * 3 * (json_int_t)sizeof(float);
+    assert_true(row > 0 && row % 8 == 0);
+    assert_true(all - band >= 5 * row + image || all == band);
+    json_decref(p);
+}
+
+static void wrong_plans_are_one_line(void **state)
+{
+    const qr_files *f = *state;
+    static const struct {
+        const char *options, *words;
+    } wrong[] = {
+        {"--json", "--json: needs --plan"},
+        {"--task-minutes 5", "--task-minutes: needs --plan"},
+        {"--task-memory 5G", "--task-memory: needs --plan"},
+        {"--plan --task-minutes -1", "--task-minutes: expects a number from 0 to 1e+06"},
+        {"--plan --task-memory 5X", "--task-memory: expects a size such as 500M or 2G, not"},
+        {"--plan --task-memory 0", "--task-memory: expects a size such as 500M or 2G, not"},
+        {"--plan --task-memory G", "--task-memory: expects a size such as 500M or 2G, not"},
+    };
+    qr_outcome o;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        qr_run(&o, "%s -o %s/w.png %s", f->scene, f->folder, wrong[i].options);
+        qr_assert_fails(&o, 2, wrong[i].words);
+    }
+}
+
+/* ---------------------------------------------------------------------------------- receipts -- */
+
+/* The entry of a file is true, by another reading of it. */
+static void assert_entry(const json_t *entry)
+{
+    char *data = NULL, hex[2 * SHA256_DIGEST_SIZE + 1];
+    size_t n = 0;
+    lf_error err = {0};
+    uint8_t digest[SHA256_DIGEST_SIZE];
+    struct sha256_ctx hash;
+    const char *name = json_string_value(json_object_get(entry, "name"));
+    lf_assert_ok(lf_file_read(name, NULL, 1 << 30, &data, &n, &err), &err);
+    sha256_init(&hash);
+    sha256_update(&hash, n, (const uint8_t *)data);
+    sha256_digest(&hash, sizeof digest, digest);
+    for (size_t i = 0; i < sizeof digest; i++)
+        snprintf(hex + 2 * i, 3, "%02x", digest[i]);
+    assert_int_equal(whole_of(entry, "bytes"), n);
+    assert_string_equal(json_string_value(json_object_get(entry, "sha256")), hex);
+    lf_free(data);
+}
+
+/* Reads a receipt whose n entries are true. */
+static json_t *receipt(const char *path, size_t n)
+{
+    json_t *r = json_load_file(path, 0, NULL);
+    assert_non_null(r);
+    assert_true(json_is_string(json_object_get(r, "quiltd")));
+    assert_int_equal(count(r, "files"), n);
+    for (size_t i = 0; i < n; i++)
+        assert_entry(item(r, "files", i));
+    return r;
+}
+
+static void a_receipt_names_every_file(void **state)
+{
+    const qr_files *f = *state;
+    char path[PATH_MAX], name[PATH_MAX];
+    snprintf(path, sizeof path, "%s/receipt.json", f->folder);
+    qr_succeed("%s -o %s/r_%%d/ --camera-rows 0:1 --spp 1 --files %s " SIZE, grid_of(f), f->folder,
+               path);
+    json_t *r = receipt(path, 4);
+    snprintf(name, sizeof name, "%s/r_1/view_001.exr", f->folder);
+    assert_string_equal(json_string_value(json_object_get(item(r, "files", 3), "name")), name);
+    json_decref(r);
+    /* files that were kept are in it, too */
+    qr_succeed("%s -o %s/r_%%d/ --camera-rows 0:2 --spp 1 --files %s " SIZE, grid_of(f), f->folder,
+               path);
+    json_decref(receipt(path, 6));
+    qr_succeed("%s -o %s/one.png --spp 1 --stats %s/stats.json --files %s " SIZE, f->scene,
+               f->folder, f->folder, path);
+    json_decref(receipt(path, 2));
+    qr_succeed("%s -o %s/again.png --files %s", f->quilt, f->folder, path);
+    json_decref(receipt(path, 1));
+}
+
+static void a_receipt_names_what_is_beside_a_print(void **state)
+{
+    const qr_files *f = *state;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/receipt.json", f->folder);
+    qr_succeed("%s -o %s/print.tif --print 40@240 --print-size 30x20 --files %s", f->quilt,
+               f->folder, path);
+    json_decref(receipt(path, 5)); /* print, manifest, two reports, job sheet */
+}
+
+static void a_failed_run_leaves_no_receipt(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "%s/none.json -o %s/none.png --files %s/none-receipt.json", f->folder, f->folder,
+           f->folder);
+    assert_int_equal(o.code, 1);
+    assert_false(qr_exists(f->folder, "none-receipt.json"));
+    qr_run(&o, "%s -o %s/one.png --spp 1 --files %s/none/receipt.json " SIZE, f->scene, f->folder,
+           f->folder);
+    qr_assert_fails(&o, 1, "none/receipt.json: cannot write to the folder");
+    qr_run(&o, "%s -o %s/one.png --spp 1 --files %s " SIZE, f->scene, f->folder, f->scene);
+    qr_assert_fails(&o, 2, "fog.json: is the input; choose another output name");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(rows_of_cameras_are_tasks, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(other_light_fields_stay_whole, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_grid_in_one_output_is_joined, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_video_is_frames_and_a_finish, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(memory_of_the_film_is_exact, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_failed_run_leaves_no_receipt, qr_set_up, qr_tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
