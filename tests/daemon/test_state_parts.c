@@ -141,9 +141,9 @@ static void what_is_no_part_is_one_line(void **state)
         {"--stream 4 --target-error 1 --state %s/n", "cannot be combined with --target-error", 2},
         {"--rows 0:4 --stats - --state %s/n", "--rows: cannot be combined with --stats", 2},
         {"--rows 0:4 --integrator amvpt --state %s/n", "not supported with this --integrator", 2},
-        {"--spp 2 --state %s/mine", "differs in the image rows ([2, 5], now [0, 9])", 1},
-        {"--spp 2 --rows 2:4 --state %s/mine", "the image rows ([2, 5], now [2, 4])", 1},
-        {"--spp 2 --rows 2:5 --stream 1 --state %s/mine", "the random stream (0, now 1)", 1},
+        {"--spp 2 --state %s/mine", "differs in the image rows ([2, 5], not [0, 9])", 1},
+        {"--spp 2 --rows 2:4 --state %s/mine", "the image rows ([2, 5], not [2, 4])", 1},
+        {"--spp 2 --rows 2:5 --stream 1 --state %s/mine", "the random stream (0, not 1)", 1},
         {"--spp 1 --rows 2:5 --state %s/mine", "holds 2 spp, but this job asks for 1", 1},
         {"--spp 2 --rows 2:5 --state %s/none/x", "cannot write to the folder", 1},
     };
@@ -234,7 +234,7 @@ static void a_state_of_another_light_field_is_refused(void **state)
     qr_run(&o, "%s/grid.json -o %s/g.png --spp 1 --state %s/r.lfstate " SIZE, f->folder, f->folder,
            f->folder);
     assert_int_equal(o.code, 1);
-    assert_non_null(strstr(o.err, "differs in the row of cameras (1, now 2)"));
+    assert_non_null(strstr(o.err, "differs in the row of cameras (1, not 2)"));
     qr_succeed("%s -o %s/t.png --turntable 4 --frames 2:2 --rows 0:9 --spp 1 --state "
                "%s/f.lfstate " SIZE,
                f->scene, f->folder, f->folder);
@@ -243,10 +243,10 @@ static void a_state_of_another_light_field_is_refused(void **state)
                      0);
     qr_run(&o, "%s -o %s/t.png --turntable 4 --frames 3:3 --spp 1 --state %s/f.lfstate " SIZE,
            f->scene, f->folder, f->folder);
-    qr_assert_fails(&o, 1, "the frame (2, now 3)");
+    qr_assert_fails(&o, 1, "the frame (2, not 3)");
     qr_run(&o, "%s -o %s/t.png --spp 1 --state %s/f_0003.lfstate " SIZE, f->scene, f->folder,
            f->folder);
-    qr_assert_fails(&o, 1, "the frame (2, now nothing)");
+    qr_assert_fails(&o, 1, "the frame (2, not nothing)");
 }
 
 int main(void)
