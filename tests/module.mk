@@ -105,6 +105,9 @@ wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 # states that cannot be read now
 wrap_test_states := -Wl,--wrap=lf_renderer_restore
 
+# a file system without locks
+wrap_test_file_locks := -Wl,--wrap=flock,--wrap=access
+
 # how often a state is saved
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 # a pass that is stopped on its way into the film
