@@ -39,7 +39,7 @@ PAGES = [  # the first that fits
     ("developer", "docs/developer/**/*.md"),
 ]
 GLOSSARY = "docs/developer/glossary.md"
-PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltfarm", "quiltprint", "quiltsim", "quiltbench", "quiltweb"]
+PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltfarm", "quiltmerge", "quiltprint", "quiltsim", "quiltbench", "quiltweb"]
 FOLDERS = ["base", "render", "quilt", "device", "daemon", "bench", "scenes", "clients", "tests", "docs", "systemd", "debian", ".ci"]
 
 FORBIDDEN = re.compile(

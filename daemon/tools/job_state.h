@@ -47,7 +47,7 @@ typedef struct lf_job_progress {
 
 /* Opens a state and reads its head, with defaults for the keys that older files lack. *out_fd is
  * then at the film; the caller closes it. *out is a new reference. out_size may be NULL. Errors as
- * of lf_job_state_restore. */
+ * of lf_job_state_restore, but without a remedy. */
 LF_NODISCARD lf_status lf_job_state_open(const char *path, int *out_fd, uint64_t *out_size,
                                          json_t **out, lf_error *err);
 /* Writes a head; the film follows. LF_E_IO, LF_E_NOMEM. */
