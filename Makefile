@@ -59,10 +59,10 @@ INSTALL ?= install
 comma := ,
 # what reads files for the others: installed beside bin, in libexec
 readers := quiltimport quiltimport-vdb quiltimport-picture
-programs := quiltd quiltctl quiltrender quiltprint quiltsim quiltbench quiltweb $(readers)
+programs := quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb $(readers)
 modules := base render quilt device daemon
 # each stands before those whose functions it calls
-libraries := web tools server engine papers render quilt model device base
+libraries := web tools server farm engine papers render quilt model device base
 
 .PHONY: all FORCE
 all:
@@ -135,7 +135,7 @@ $(O)/lib$(1).a: $(call objs,$($(1)_srcs))
 endef
 $(foreach l,$(libraries),$(eval $(call library,$(l))))
 libs = $(patsubst %,$(O)/lib%.a,$(1))
-link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(dep_libs) $(1) $(LDLIBS)
+link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(or $(own_libs),$(dep_libs)) $(1) $(LDLIBS)
 
 define program
 $(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model papers,$(libraries)))) $(if $(filter $(readers),$(1)),$(O)/readers.stamp)
@@ -221,7 +221,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-clients-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
-tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh js.sh page_modules.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh page.sh web_soak.sh) arm64.sh)
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh js.sh page_modules.sh $(if $(filter release,$(BUILD)),node.sh readme.sh guides.sh page.sh web_soak.sh) arm64.sh)
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
 check-now: tests

@@ -363,6 +363,7 @@ typedef struct exr_job {
     int n_channels;
     float *block; /* [lines of a chunk][width][n_channels] */
     double pixel_aspect;
+    exr_pixel_type_t type; /* in the file */
     const lf_attribute *attributes;
     int n_attributes;
     exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
@@ -390,7 +391,7 @@ static exr_result_t define_part(exr_context_t exr, const exr_job *job)
         rv = exr_set_pixel_aspect_ratio(exr, part, (float)job->pixel_aspect);
     for (const char *name = channel_behind(job, NULL); name && rv == EXR_ERR_SUCCESS;
          name = channel_behind(job, name))
-        rv = exr_add_channel(exr, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
+        rv = exr_add_channel(exr, part, name, job->type, EXR_PERCEPTUALLY_LINEAR, 1, 1);
     for (int i = 0; i < job->n_attributes && rv == EXR_ERR_SUCCESS; i++) {
         if (strlen(job->attributes[i].name) > 31)
             rv = exr_set_longname_support(exr, 1);
@@ -493,6 +494,7 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
                    .channels = channels->names,
                    .n_channels = channels->n,
                    .pixel_aspect = channels->pixel_aspect,
+                   .type = channels->is_half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
                    .attributes = attributes,
                    .n_attributes = n};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;

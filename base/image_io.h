@@ -104,9 +104,10 @@ typedef struct lf_channels32 {
     lf_rows32_fn rows;
     void *context;
     double pixel_aspect; /* width / height of a pixel; 0: square */
+    bool is_half;        /* stored as halfs, rounded to nearest; otherwise as floats */
 } lf_channels32;
 
-/* EXR, 32-bit float, ZIP scan lines, with these channels; otherwise like lf_exr_write_rows. */
+/* EXR, float or half, ZIP scan lines, with these channels; otherwise like lf_exr_write_rows. */
 LF_NODISCARD lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
                                              const lf_channels32 *channels,
                                              const lf_attribute *attributes, int n, lf_error *err);

@@ -663,7 +663,7 @@ lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf
     int n = 3;
     for (int i = 0; views->layers && i < views->layers->n && n < LF_EXR_MAX_CHANNELS; i++)
         names[n++] = views->layers->names[i];
-    const lf_channels32 channels = {names, n, row32, &rows, pixel_aspect_of(layout)};
+    const lf_channels32 channels = {names, n, row32, &rows, pixel_aspect_of(layout), false};
     return lf_exr_write_channels(file, layout->columns * views->width, layout->rows * views->height,
                                  &channels, attributes, n_attributes, err);
 }

@@ -149,6 +149,7 @@ typedef struct lf_integrator_entry {
      * reconstruction */
     bool reconstructs;
     bool remembers; /* it has state besides its film: lf_renderer_passes_after refuses it */
+    bool spreads;   /* paths of a row reach others: the film receives a pass as a whole */
     /* supported traits of a scene and its view; lf_renderer_create refuses others */
     lf_traits supports;
 } lf_integrator_entry;
@@ -356,24 +357,29 @@ LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *
 /* The visits of a row that n_passes passes make in an empty film, two whole cycles a call. */
 int64_t lf_renderer_visits(const lf_renderer *renderer, int64_t n_passes);
 
-/* What calls of lf_renderer_passes for all rows have added to an empty film. Zeroed: none. */
+/* What calls of lf_renderer_passes for one part have added to an empty film. Zeroed: none. */
 typedef struct lf_asked {
     double given[2]; /* passes of each half */
     uint32_t visits[2];
 } lf_asked;
 
 /* lf_renderer_passes for a film that was restored, or that a cancelled call left incomplete. Rows
- * that already had a visit do not get it again; row_done is called for them, too. *at: input, the
- * passes requested before; on success, increased by this call. Repeating the same calls from a
- * zeroed *at, and then others, gives the film of one uninterrupted run. LF_E_STATE: no such calls
- * lead to this film, or the integrator has state besides the film. */
-LF_NODISCARD lf_status lf_renderer_passes_after(lf_renderer *renderer, lf_asked *at,
-                                                int64_t n_passes, bool split, lf_passes_fn row_done,
-                                                void *context, const lf_cancel *cancel);
-/* Whether the film holds exactly the passes of *at. */
-bool lf_renderer_is_at(const lf_renderer *renderer, const lf_asked *at);
+ * that already had a visit do not get it again; row_done is called for them, too. part (NULL: all
+ * rows) is the same in all calls. *at: input, the passes requested before; on success, increased by
+ * this call. Repeating the same calls from a zeroed *at, and then others, gives the film of one
+ * uninterrupted run. LF_E_STATE: no such calls lead to this film, or the integrator has state
+ * besides the film. LF_E_ARG: rows out of range. */
+LF_NODISCARD lf_status lf_renderer_passes_after(lf_renderer *renderer, const lf_part *part,
+                                                lf_asked *at, int64_t n_passes, bool split,
+                                                lf_passes_fn row_done, void *context,
+                                                const lf_cancel *cancel);
+/* Whether the film holds exactly the passes of *at in the rows of the part, of its stream, and
+ * nothing else. */
+bool lf_renderer_is_at(const lf_renderer *renderer, const lf_part *part, const lf_asked *at);
 /* Whether the integrator in use has no state besides its film. */
 bool lf_renderer_is_its_film(const lf_renderer *renderer);
+/* Whether a film receives nothing of a pass before its end, so that a cancelled pass is lost. */
+bool lf_renderer_spreads(const lf_renderer *renderer);
 
 /* Per-pixel flags of a resolved row. */
 /* scattering is possible here but no path found any yet (W = 0): the value is a substitute */
@@ -595,6 +601,9 @@ LF_NODISCARD lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_stat
 /* Reads the identity from the start of a state file, except the hashes, which are 0. seed is the
  * seed of the first stream. LF_E_IO, LF_E_FORMAT, LF_E_STATE (another version). */
 LF_NODISCARD lf_status lf_state_look(int fd, lf_state_id *out, lf_error *err);
+/* Counts the rows with visits in a state file, from its start, without reading their sums. Errors
+ * as of lf_state_look; also LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_state_rows(int fd, int *out_rows, lf_error *err);
 /* Adds the saved state of another renderer of the same image. Rows that only one of them has are
  * copied; sums of other rows are added, half by half. The order of addition does not change any
  * bit. Sums that are not floats are rounded at random, without bias. Errors as of

@@ -204,7 +204,8 @@ static void run_row(void *context, int item, int worker)
         return;
     const lf_film_counts *given = &r->film.streams[job->order.stream].rows[row];
     int half = job->half >= 0 ? job->half : given->visits[0] > given->visits[1];
-    const bool has_had_it = job->at && given->visits[half] > job->at->visits[half];
+    const bool has_had_it =
+        job->at && !job->order.at && given->visits[half] > job->at->visits[half];
     if ((has_had_it ||
          r->integrator->visit(r->state, &job->order, row, half, worker, job->cancel)) &&
         job->row_done)
@@ -220,6 +221,13 @@ static lf_part whole_part(const lf_renderer *r, const lf_part *part)
     return whole;
 }
 
+/* part: from whole_part. */
+static bool is_within(const lf_renderer *r, const lf_part *part)
+{
+    return part->first_row >= 0 && part->row_step >= 1 && part->end_row >= 0 &&
+           part->end_row <= r->film.height;
+}
+
 /* Prepares the scene's lights for the film's features, once. */
 static lf_status light_up(lf_renderer *r, const lf_cancel *cancel)
 {
@@ -233,8 +241,7 @@ static lf_status run(lf_pass_job *job)
     lf_renderer *r = job->renderer;
     const lf_part part = job->part;
     const uint64_t seed = r->settings.seed;
-    if (part.first_row < 0 || part.row_step < 1 || part.end_row < 0 ||
-        part.end_row > r->film.height)
+    if (!is_within(r, &part))
         return LF_E_ARG;
     if (part.first_row >= part.end_row)
         return LF_OK;
@@ -353,13 +360,34 @@ static void report_row(void *context, int row, int worker)
         report->row_done(report->context, report->passes, worker);
 }
 
+static const lf_integrator_entry *entry_of(const lf_renderer *r)
+{
+    int i = 0;
+    while (strcmp(r->integrator->entry(i)->name, r->settings.integrator) != 0)
+        i++;
+    return r->integrator->entry(i);
+}
+
+bool lf_renderer_is_its_film(const lf_renderer *renderer)
+{
+    return !entry_of(renderer)->remembers;
+}
+
+bool lf_renderer_spreads(const lf_renderer *renderer)
+{
+    return entry_of(renderer)->spreads;
+}
+
 /* One visit of every row of the part; at: only rows that have not had it. */
 static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half, int subsets,
                            int column_step, lf_passes_report *report, const lf_asked *at,
                            const lf_cancel *cancel)
 {
     lf_pass_job job = {.renderer = renderer,
-                       .order = {.subsets = subsets, .column_step = column_step, .hole_reach = -1},
+                       .order = {.subsets = subsets,
+                                 .column_step = column_step,
+                                 .hole_reach = -1,
+                                 .at = entry_of(renderer)->spreads ? at : NULL},
                        .part = whole_part(renderer, part),
                        .half = half,
                        .at = at,
@@ -400,13 +428,14 @@ static bool same_passes(double a, double b)
     return fabs(a - b) < 0.25;
 }
 
-/* Number of rows that lack the next visit of a half, with `passes` passes; -1: a row has other
- * visits. */
-static int count_lacking(const lf_renderer *r, const lf_asked *at, int half, double passes)
+/* Number of the part's rows that lack the next visit of a half, with `passes` passes; -1: a row has
+ * other visits. */
+static int count_lacking(const lf_renderer *r, const lf_part *part, const lf_asked *at, int half,
+                         double passes)
 {
-    const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, 0);
+    const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, part->stream);
     int lacking = 0;
-    for (int row = 0; row < r->film.height; row++) {
+    for (int row = part->first_row; row < part->end_row; row += part->row_step) {
         const lf_film_counts none = {0}, *had = stream ? &stream->rows[row] : &none;
         const double given = had->n[half] * r->film.n_views;
         const uint32_t visits = had->visits[half];
@@ -420,16 +449,20 @@ static int count_lacking(const lf_renderer *r, const lf_asked *at, int half, dou
 }
 
 /* The next visit of a half, for the rows that lack it. */
-static lf_status visit_lacking(lf_renderer *r, lf_asked *at, int half, int subsets, int column_step,
-                               lf_passes_report *report, const lf_cancel *cancel)
+static lf_status visit_lacking(lf_renderer *r, const lf_part *part, lf_asked *at, int half,
+                               int subsets, int column_step, lf_passes_report *report,
+                               const lf_cancel *cancel)
 {
+    const lf_part whole = whole_part(r, part);
     const double passes = (double)subsets / column_step;
-    const int lacking = count_lacking(r, at, half, passes);
+    if (!is_within(r, &whole))
+        return LF_E_ARG;
+    const int lacking = count_lacking(r, &whole, at, half, passes);
     lf_status status = lacking < 0 ? LF_E_STATE : LF_OK;
     report->passes = column_step > 1 ? half : subsets;
     if (lacking > 0)
-        status = visit_all(r, NULL, half, subsets, column_step, report, at, cancel);
-    for (int row = 0; row < r->film.height && lacking == 0; row++)
+        status = visit_all(r, part, half, subsets, column_step, report, at, cancel);
+    for (int row = whole.first_row; row < whole.end_row && lacking == 0; row += whole.row_step)
         report_row(report, row, 0);
     if (status == LF_OK) {
         at->given[half] += passes;
@@ -441,7 +474,7 @@ static lf_status visit_lacking(lf_renderer *r, lf_asked *at, int half, int subse
 static lf_status visit(lf_renderer *r, const lf_part *part, lf_asked *at, int half, int subsets,
                        int column_step, lf_passes_report *report, const lf_cancel *cancel)
 {
-    return at ? visit_lacking(r, at, half, subsets, column_step, report, cancel)
+    return at ? visit_lacking(r, part, at, half, subsets, column_step, report, cancel)
               : visit_all(r, part, half, subsets, column_step, report, NULL, cancel);
 }
 
@@ -496,32 +529,35 @@ int64_t lf_renderer_visits(const lf_renderer *renderer, int64_t n_passes)
     return n + (n_passes + cycles - 1) / cycles * of_cycles; /* visits do not grow any more */
 }
 
-lf_status lf_renderer_passes_after(lf_renderer *renderer, lf_asked *at, int64_t n_passes,
-                                   bool split, lf_passes_fn row_done, void *context,
-                                   const lf_cancel *cancel)
+lf_status lf_renderer_passes_after(lf_renderer *renderer, const lf_part *part, lf_asked *at,
+                                   int64_t n_passes, bool split, lf_passes_fn row_done,
+                                   void *context, const lf_cancel *cancel)
 {
     lf_passes_report report = {.row_done = row_done, .context = context};
     return lf_renderer_is_its_film(renderer)
-               ? give_passes(renderer, NULL, at, n_passes, split, &report, cancel)
+               ? give_passes(renderer, part, at, n_passes, split, &report, cancel)
                : LF_E_STATE;
 }
 
-bool lf_renderer_is_at(const lf_renderer *renderer, const lf_asked *at)
+static bool is_in(const lf_part *part, int row)
 {
-    for (int row = 0; row < renderer->film.height; row++)
-        for (int half = 0; half < 2; half++)
-            if (renderer->film.rows[row].visits[half] != at->visits[half])
-                return false;
-    return true;
+    return row >= part->first_row && row < part->end_row &&
+           (row - part->first_row) % part->row_step == 0;
 }
 
-bool lf_renderer_is_its_film(const lf_renderer *renderer)
+bool lf_renderer_is_at(const lf_renderer *renderer, const lf_part *part, const lf_asked *at)
 {
-    const lf_integrator *integrator = renderer->integrator;
-    int i = 0;
-    while (strcmp(integrator->entry(i)->name, renderer->settings.integrator) != 0)
-        i++;
-    return !integrator->entry(i)->remembers;
+    const lf_film *film = &renderer->film;
+    const lf_part whole = whole_part(renderer, part);
+    const lf_film_stream *stream = lf_film_find_stream(film, renderer->settings.seed, whole.stream);
+    for (int row = 0; row < film->height; row++)
+        for (int half = 0; half < 2; half++) {
+            const uint32_t own = stream ? stream->rows[row].visits[half] : 0;
+            if (film->rows[row].visits[half] != own ||
+                own != (is_in(&whole, row) ? at->visits[half] : 0))
+                return false;
+        }
+    return true;
 }
 
 /* ----------------------------------------------------------------------------------- answers -- */

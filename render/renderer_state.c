@@ -129,6 +129,11 @@ lf_status lf_state_look(int fd, lf_state_id *out, lf_error *err)
     return status;
 }
 
+lf_status lf_state_rows(int fd, int *out_rows, lf_error *err)
+{
+    return lf_film_count_rows(fd, out_rows, err);
+}
+
 bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf_scene *b,
                      const lf_render_settings *of_b)
 {

@@ -24,6 +24,11 @@ smaller() {
 case " $* " in *' --chart '* | *' --simulate '*) exec "$PROGRAMS/quiltrender" "$@" ;; esac
 program=${0##*/} option='' length='' size='' device='' arguments=()
 for word in "$@"; do
+    # there is no cluster here, and options of sbatch and ssh name machines
+    case "$program $1 $word" in
+    'quiltfarm plan slurm') word=parallel ;;
+    quiltfarm\ submit\ -- | quiltfarm\ resume\ --) break ;;
+    esac
     case $option in
     --view-size) word=$VIEW_SIZE ;;
     --spp | --passes) word=1 ;;
@@ -49,6 +54,7 @@ quiltd\ *) arguments+=(--threads 1) && [ -n "$device" ] || arguments+=(--device 
 quiltrender\ *) [ -n "$length" ] || arguments+=(--passes 1) ;;
 quiltsim\ *) arguments+=(--listen 0) size=1 ;;
 quiltbench\ curve) arguments+=(--reference-spp 2) size=1 ;;
+quiltfarm\ plan) [ -n "$length" ] || arguments+=(--passes 1) ;;
 *) size=1 ;;
 esac
 [ -n "$size" ] || arguments+=(--view-size "$VIEW_SIZE")
@@ -62,7 +68,7 @@ set_up_reader() { # folder, size of views: the reader's programs, home, session 
     mkdir -m 700 "$XDG_RUNTIME_DIR"
     cd "$1" || exit 1
     local program
-    for program in quiltd quiltrender quiltbench quiltsim; do
+    for program in quiltd quiltrender quiltbench quiltsim quiltfarm; do
         smaller > "bin/$program"
         chmod 755 "bin/$program"
     done
@@ -75,6 +81,7 @@ elsewhere() { # command
     case $1 in
     *\ --read-chart\ *) ;;
     make\ * | *' make '* | *\ -m\ pip\ * | sudo\ * | systemctl\ * | journalctl\ * | "echo 'deb "*) ;;
+    podman\ * | apptainer\ * | scp\ * | *\ \~/bin*) ;;
     *\ /usr/share/*) ;;
     python3\ *) ! command -v python3 > /dev/null ;;
     [A-Z]*=*) ;;
@@ -144,7 +151,7 @@ run() { # command
             eval "$1"
             return
         fi
-        case $1 in quiltrender\ * | quiltbench\ *) stop_daemon ;; esac
+        case $1 in quiltrender\ * | quiltbench\ * | quiltfarm\ *) stop_daemon ;; esac
         if needs_daemon "$1" && [ -z "$daemon" ]; then start_daemon "$daemon_command" || cat daemon.log; fi
         (eval "$1") > log 2>&1
         local rc=$?

@@ -48,7 +48,7 @@ for page in "$src"/docs/guide/*.md; do
     report "$name: what its reader has" "$([ "$rc" -eq 0 ] || cat "$top/setup.log")"
     before=$commands
     run_page "$page" "$name: " :
-    written=$(grep -cE "^    quilt(d|ctl|render|print|sim|bench|web)( |$)" "$page")
+    written=$(grep -cE "^    quilt(d|ctl|render|print|sim|bench|web|merge|farm)( |$)" "$page")
     report "$name: its commands ran" "$([ "$((commands - before))" -ge "$written" ] || echo "$((commands - before)) of $written")"
 done
 end

@@ -39,7 +39,7 @@ PAGES = [  # the first that fits
     ("developer", "docs/developer/**/*.md"),
 ]
 GLOSSARY = "docs/developer/glossary.md"
-PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltprint", "quiltsim", "quiltbench", "quiltweb"]
+PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltfarm", "quiltmerge", "quiltprint", "quiltsim", "quiltbench", "quiltweb"]
 FOLDERS = ["base", "render", "quilt", "device", "daemon", "bench", "scenes", "clients", "tests", "docs", "systemd", "debian", ".ci"]
 
 FORBIDDEN = re.compile(
@@ -291,7 +291,7 @@ def knows(program, option):
     return "unknown option" not in (answer := help_of(program, option + "=") or "") and "is ambiguous" not in answer
 
 
-FOREIGN = "systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
+FOREIGN = "podman|apptainer|sbatch|squeue|systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
 OF_OTHERS = re.compile(rf"\b(?:{FOREIGN})(?: [\w.@-]+)* --[a-z]\S*")
 OPTION = re.compile(r"(?<![\w/-])--[a-z][a-z0-9-]*(?<!-)")
 

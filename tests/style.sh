@@ -73,6 +73,7 @@ render: render/scene render/transport render/transport/path render/transport/lan
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/lens.h quilt/kernel
+quilt/hologram: quilt/quilt.h quilt/holograms.h
 quilt/profile: quilt/quilt.h quilt/prints.h quilt/profiles.h quilt/lens.h
 quilt/print: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/font.h quilt/photo.h
 quilt/chart: quilt/quilt.h quilt/prints.h quilt/lens.h quilt/axis.h quilt/font.h quilt/photo.h quilt/print/print.h quilt/print/label.h
@@ -91,9 +92,10 @@ daemon/media:
 daemon/output: daemon/media
 daemon/engine: daemon/media daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
+daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/render_words.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
-daemon/tools: daemon/media/movie.h daemon/output daemon/wire daemon/server daemon/parts/doctor.h
+daemon/farm: daemon/output/options.h
+daemon/tools: daemon/media/movie.h daemon/output daemon/farm/farm.h daemon/wire daemon/server daemon/parts/doctor.h
 daemon/web: daemon/output/options.h daemon/wire
 base:
 base/sandbox: base
@@ -102,7 +104,7 @@ END
     cat "$1/tests/layers" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other modules may include, and the files that may include private ones.
-exported='render/render\.h|quilt/(quilt|prints|profiles|rgbd|chart/reading|proof/(print_file|simulate|study|check))\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader|media/decoder)\.h'
+exported='render/render\.h|quilt/(quilt|prints|holograms|profiles|rgbd|chart/reading|proof/(print_file|simulate|study|check))\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|render/film/film_merge\.h|daemon/(output/(options|content|render_job|completion)|engine/loader|media/decoder)\.h'
 private_allowed='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
 modules='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
@@ -354,7 +356,7 @@ reading_libraries() { # programs
     done
 }
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
-    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltprint quiltsim quiltbench quiltweb)"
+    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb)"
 else
     report reading_libraries "the rule does not see what quiltimport needs"
 fi

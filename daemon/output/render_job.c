@@ -8,10 +8,11 @@
 
 typedef struct run {
     lf_renderer *renderer;
+    const lf_part *part;
     const lf_budget *budget;
     lf_estimator estimator;
     float *film;
-    int n_views, height;
+    int n_views, n_rows;     /* n_rows: of the part */
     bool goes_on;            /* the film was not empty */
     double before;           /* passes it held, which are not new progress */
     lf_asked at;             /* state for continued passes */
@@ -36,14 +37,15 @@ static double fraction_of(const run *r, double passes)
     return r->target_fraction;
 }
 
-static void report(const run *r)
+static void report(const run *r, bool whole)
 {
-    double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->height;
+    double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->n_rows;
     lf_render_progress progress = {
         .fraction = fmin(1, fmax(0, fraction_of(r, passes))),
         .seconds = lf_time_now() - r->start,
         .passes = passes,
         .n_views = r->n_views,
+        .whole = whole,
     };
     if (r->progress && passes >= r->before)
         r->progress(r->context, &progress);
@@ -54,7 +56,7 @@ static void row_done(void *context, int passes, int worker)
     run *r = context;
     atomic_fetch_add_explicit(&r->row_passes, passes, memory_order_relaxed);
     if (worker == 0) /* the thread that called lf_render_run */
-        report(r);
+        report(r, false);
 }
 
 /* lf_renderer_passes divides any number of passes into pairs of whole cycles, except for the rest.
@@ -66,14 +68,14 @@ static lf_status add(run *r, int64_t n_passes, bool split)
     lf_status status = LF_OK;
     while (n_passes > 0 && status == LF_OK) {
         int64_t now = n_passes < cycles ? n_passes : cycles;
-        status =
-            r->goes_on && r->budget->passes > 0
-                ? lf_renderer_passes_after(r->renderer, &r->at, now, split, row_done, r, r->cancel)
-                : lf_renderer_passes(r->renderer, NULL, now, split, row_done, r, r->cancel);
+        status = r->goes_on && r->budget->passes > 0
+                     ? lf_renderer_passes_after(r->renderer, r->part, &r->at, now, split, row_done,
+                                                r, r->cancel)
+                     : lf_renderer_passes(r->renderer, r->part, now, split, row_done, r, r->cancel);
         if (status == LF_OK)
             r->passes += now;
         n_passes -= now;
-        report(r);
+        report(r, status == LF_OK);
     }
     return status;
 }
@@ -82,7 +84,7 @@ static lf_status run_passes(run *r)
 {
     const int64_t n = r->budget->passes;
     lf_status status = add(r, n, n == 1 && r->estimator == LF_ESTIMATOR_CV);
-    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, &r->at))
+    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, r->part, &r->at))
         return LF_E_STATE;
     return status;
 }
@@ -144,7 +146,7 @@ static lf_status run_target(run *r, double target)
         reached = bound >= 0 && bound <= target;
         /* the error falls as 1 / passes, so this is the finished share of the passes needed */
         r->target_fraction = estimate > 0 ? target / estimate : 0;
-        report(r);
+        report(r, true);
     }
     return status;
 }
@@ -159,21 +161,31 @@ static void take_up(run *r, const lf_render_times *before)
     if (r->budget->passes > 0) /* passes that are not repeated are reported again */
         return;
     r->passes = before->passes;
-    atomic_store_explicit(&r->row_passes, before->passes * r->height, memory_order_relaxed);
+    atomic_store_explicit(&r->row_passes, before->passes * r->n_rows, memory_order_relaxed);
 }
 
-lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
-                           const lf_render_times *before, float *film,
+/* The number of rows of a part. */
+static int rows_of(const lf_part *part, int height)
+{
+    const int end = part && part->end_row > 0 ? part->end_row : height,
+              step = part && part->row_step > 0 ? part->row_step : 1,
+              first = part ? part->first_row : 0;
+    return end > first ? (end - first - 1) / step + 1 : 1;
+}
+
+lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part, const lf_budget *budget,
+                           lf_estimator estimator, const lf_render_times *before, float *film,
                            lf_render_progress_fn progress, void *context, const lf_cancel *cancel,
                            lf_render_times *out_times)
 {
     const lf_render_settings *settings = lf_renderer_settings(renderer);
     run r = {
         .renderer = renderer,
+        .part = part,
         .budget = budget,
         .estimator = estimator,
         .n_views = settings->camera.n_views,
-        .height = settings->height,
+        .n_rows = rows_of(part, settings->height),
         .start = lf_time_now(),
         .cpu_start = lf_time_cpu(),
         .progress = progress,
@@ -184,7 +196,7 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
     r.film = film;
     if (before)
         take_up(&r, before);
-    report(&r);
+    report(&r, true);
     if (budget->passes > 0) {
         status = run_passes(&r);
     } else if (budget->seconds > 0) {
@@ -195,8 +207,8 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
         assert(budget->target_error > 0 || budget->target_denoised_error > 0);
         status = run_target(&r, fmax(budget->target_error, budget->target_denoised_error));
     }
-    if (status == LF_E_CANCELLED)
-        r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.height;
+    if (status == LF_E_CANCELLED && !lf_renderer_spreads(renderer))
+        r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.n_rows;
     *out_times =
         (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start, 0};
     return status;
@@ -220,8 +232,8 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
                           float *film, lf_render_progress_fn progress, void *context,
                           const lf_cancel *cancel, lf_render_times *out_times)
 {
-    lf_status status = lf_render_gather(renderer, budget, estimator, NULL, film, progress, context,
-                                        cancel, out_times);
+    lf_status status = lf_render_gather(renderer, NULL, budget, estimator, NULL, film, progress,
+                                        context, cancel, out_times);
     return status == LF_OK ? lf_render_fill(renderer, budget, estimator, cancel, out_times)
                            : status;
 }

@@ -32,6 +32,7 @@ typedef struct lf_render_progress {
     double seconds;  /* wall time so far */
     double passes;   /* so far */
     int n_views;
+    bool whole; /* between two calls of the renderer: no pass is under way */
 } lf_render_progress;
 
 typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *progress);
@@ -42,13 +43,16 @@ typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *p
  * check an error target; NULL without one. progress may be NULL. LF_E_CANCELLED: *out_times is the
  * cost so far.
  *
+ * part (NULL: all rows, stream 0): what gets the passes. With rows, the budget must be passes.
+ *
  * before NULL: the renderer's film must be empty. Otherwise `before` is the cost of the film's
- * content, from earlier calls that were cancelled or had another budget. This call continues it and
- * *out_times is the total. Passes leave the same film, to the bit, as one uninterrupted call.
- * LF_E_STATE: the film does not come from such calls. */
-LF_NODISCARD lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget,
-                                        lf_estimator estimator, const lf_render_times *before,
-                                        float *film, lf_render_progress_fn progress, void *context,
+ * content, from earlier calls that were cancelled or had another budget. This call continues it
+ * with the same part, and *out_times is the total. Passes leave the same film, to the bit, as one
+ * uninterrupted call. LF_E_STATE: the film does not come from such calls. */
+LF_NODISCARD lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part,
+                                        const lf_budget *budget, lf_estimator estimator,
+                                        const lf_render_times *before, float *film,
+                                        lf_render_progress_fn progress, void *context,
                                         const lf_cancel *cancel, lf_render_times *out_times);
 /* To be called after lf_render_gather. For mwis without reconstruction it fills the holes
  * (lf_renderer_fill_holes). A filled film cannot be continued to the bit. LF_E_CANCELLED. */

@@ -34,7 +34,7 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     lf_status status = r->scene ? lf_rendering_run(r, err) : LF_OK;
-    if (status == LF_OK)
+    if (status == LF_OK && !lf_state_is_all(&a->state))
         status = lf_rendering_write(r, err);
     if (status == LF_OK && a->stats)
         status = lf_rendering_write_stats(r, err);
@@ -73,6 +73,18 @@ static void tell_names(const lf_rendering *r, double seconds)
     else if (s->n_done > 0)
         lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s (%s)", s->n_done,
                lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
+}
+
+/* What the states hold that are the only output. */
+static void tell_states(const lf_rendering *r, double seconds)
+{
+    const int n = r->sequence.on ? r->sequence.n_done : lf_rendering_camera_rows(r);
+    char words[64];
+    snprintf(words, sizeof words, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
+    if (n == 1)
+        lf_log(LF_LOG_INFO, "%s is complete (%s)", r->state.path, words);
+    else
+        lf_log(LF_LOG_INFO, "%d states are complete; the last is %s (%s)", n, r->state.path, words);
 }
 
 /* The copies of a sheet, and the order of a flip. */
@@ -120,7 +132,9 @@ static int run(const lf_render_arguments *a)
         code = lf_usage_error(PROGRAM, &err); /* found only with the renderer */
     } else if (status != LF_OK) {
         lf_log_error(&err);
-        code = r.state.is_kept && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
+        code = a->state.file && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
+    } else if (!a->plan.on && lf_state_is_all(&a->state)) {
+        tell_states(&r, lf_time_now() - begun);
     } else if (!a->plan.on) {
         tell_names(&r, lf_time_now() - begun);
         tell_layout(&r);
@@ -145,9 +159,12 @@ static int print_state(const char *path)
 
 static void catch_signals(void)
 {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
+    /* A second Ctrl-C ends at once. Farms may send SIGTERM twice, to a group and by a script; a job
+     * that is saving its state must survive that. */
+    struct sigaction action = {.sa_handler = on_signal};
     sigaction(SIGTERM, &action, NULL);
+    action.sa_flags = (int)SA_RESETHAND;
+    sigaction(SIGINT, &action, NULL);
     /* exceeding a file size limit becomes an error like a full disk */
     action = (struct sigaction){.sa_handler = SIG_IGN};
     sigaction(SIGXFSZ, &action, NULL);
@@ -174,8 +191,8 @@ int main(int argc, char **argv)
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
-    if (a.state_info)
-        return print_state(a.state_info);
+    if (a.state.info)
+        return print_state(a.state.info);
     lf_options_limit_import(&a.options);
     catch_signals();
     if (a.of_print.photo)

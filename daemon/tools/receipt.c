@@ -8,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/file_hash.h"
 #include "base/version.h"
+#include "daemon/tools/rendering_plate.h"
 
 /* Adds a file to the list. */
 static lf_status add_file(json_t *list, const char *name, lf_error *err)
@@ -64,11 +65,25 @@ static lf_status add_reports(const lf_rendering *r, json_t *list, lf_error *err)
     return status;
 }
 
+static lf_status add_plate(const lf_rendering *r, json_t *list, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int i = 0; i < lf_rendering_plate_files(r) && status == LF_OK; i++) {
+        char *name = lf_rendering_plate_file(r, i);
+        status = name ? add_file(list, name, err)
+                      : lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
+        lf_free(name);
+    }
+    return status;
+}
+
 static lf_status add_outputs(lf_rendering *r, json_t *list, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const bool is_one = !r->sequence.on || a->kind == &lf_output_video;
     lf_status status = LF_OK;
+    if (r->sequence.plate)
+        return add_plate(r, list, err);
     for (int i = a->frames.first; i <= a->frames.last && !is_one && status == LF_OK; i++) {
         status = lf_rendering_name(r, i, err);
         if (status == LF_OK)

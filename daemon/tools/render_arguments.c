@@ -8,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "daemon/output/hld.h"
+#include "daemon/tools/job_state.h"
 
 #define MAX_PASSES (INT64_C(1) << 40)
 #define MOST_MINUTES 1e6
@@ -47,83 +48,31 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
+#define PLACE(field) .place = offsetof(lf_state_arguments, field)
+
+/* clang-format off */
+const lf_param lf_state_params[] = {
+    {.option = "rows", .joined = ":", .argument = "A", PLACE(first_row), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_state_arguments, has_rows), .high = LF_MAX_VIEW_SIDE - 1,
+     .help = "render only image rows A to B, into the file of --state"},
+    {.option = "rows", .argument = "B", PLACE(last_row), .type = LF_PARAM_WHOLE,
+     .high = LF_MAX_VIEW_SIDE - 1},
+    {.option = "stream", .argument = "K", PLACE(stream), .type = LF_PARAM_WHOLE,
+     .has = offsetof(lf_state_arguments, has_stream), .high = LF_MAX_STREAM,
+     .help = "render random stream K of the seed, into the file of --state"},
+    {0},
+};
+/* clang-format on */
+
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
                                               "target-denoised-error target-shown-error aov"
                                               " fit guides";
-/* depth-inversion is an option of --rgbd, too, which has it in its table. */
-static const char standing[] =
-    "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y";
 static const char of_depth[] = "chroma-depth depthiness depth-cutoff";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
     "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
-
-static void print_help(void)
-{
-    printf("Usage: quiltrender SCENE -o OUT [options]\n"
-           "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
-           "       quiltrender --read-chart PHOTO.jpg [--chart-file CHART.json] [-o RESULT.json]\n"
-           "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
-           "       quiltrender --state-info FILE\n"
-           "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
-           "folder of views.\n"
-           "SCENE may also be a mesh or a volume (.glb, .obj, .vdb ...), which quiltrender frames "
-           "and lights,\n"
-           "or a finished quilt image or folder of views, which it does not render again.\n\n"
-           "The ending of OUT chooses the output: .png, .exr or .jpg a quilt, named "
-           "..._qsCxRaASPECT, or one view, as named;\n"
-           ".tif a print; .mp4 a video; .gif a loop; a path ending in / a folder of views.\n\n"
-           "What to render:\n");
-    lf_param_print_help(lf_option_params,
-                        LF_OPTIONS_VIEWS " fit exposure panel png still quality aov guides");
-    lf_param_print_help(lf_panel_params, NULL);
-    lf_param_print_help(lf_response_params, NULL);
-    lf_param_print_help(lf_print_params, NULL);
-    lf_param_print_help(lf_profile_params, NULL);
-    lf_param_print_help(lf_check_params, NULL);
-    lf_param_print_help(lf_rgbd_params, NULL);
-    lf_param_print_help(lf_alone_params, NULL);
-    lf_param_print_help(lf_photo_params, NULL);
-    lf_param_print_help(lf_picture_params, NULL);
-    lf_param_print_help(lf_standing_params, standing);
-    printf("\n"
-           "How long to render (one of these; default --passes %d, or --spp %d without "
-           "denoising):\n"
-           "  --passes N             render N base paths per pixel of one view\n"
-           "  --spp N                render N base paths per view pixel\n"
-           "  --time SECONDS         render as many pairs of passes as fit into SECONDS, at "
-           "least one\n",
-           LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error target-denoised-error");
-    printf("\nA finished print, seen through its sheet (with --print and the options after it):\n");
-    lf_param_print_help(lf_simulate_params, NULL);
-    printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
-    lf_param_print_help(lf_frames_params, NULL);
-    lf_param_print_help(lf_video_params, NULL);
-    printf("\nHow to render:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
-    lf_param_print_help(lf_integrator_params(), NULL);
-    lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
-    printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
-           "interrupted)\n"
-           "  --state-info FILE      print the contents of a state file as JSON\n"
-           "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
-           "sheet\n"
-           "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
-           "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
-           "  --files FILE.json      write the names, sizes and SHA-256 of all written files as "
-           "JSON\n"
-           "  --plan                 print estimated costs and one command per task; render "
-           "nothing\n"
-           "  --json                 print the plan as one JSON object\n"
-           "  --task-minutes M       divide the plan into tasks of about M minutes; 0: one light "
-           "field per task (%d)\n"
-           "  --task-memory SIZE     divide the plan into tasks of at most SIZE, such as 2G (no "
-           "limit)\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
-           LF_PLAN_MINUTES);
-}
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
 {
@@ -173,11 +122,11 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         a->stats = text;
         return LF_OK;
     case OPTION_STATE:
-        a->state = text;
+        a->state.file = text;
         a->render_option = a->render_option ? a->render_option : "state";
         return LF_OK;
     case OPTION_STATE_INFO:
-        a->state_info = text;
+        a->state.info = text;
         return LF_OK;
     case OPTION_FILES:
         a->files = text;
@@ -204,7 +153,9 @@ static const lf_output_kind *kind_of_option(const char *option)
     for (int i = 0; lf_output_kinds[i]; i++)
         if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
             return lf_output_kinds[i];
-    return strcmp(lf_output_wiggle.option, option) == 0 ? &lf_output_wiggle : NULL;
+    return strcmp(lf_output_wiggle.option, option) == 0     ? &lf_output_wiggle
+           : strcmp(lf_output_hologram.option, option) == 0 ? &lf_output_hologram
+                                                            : NULL;
 }
 
 static void take_video_option(lf_render_arguments *a, const char *option)
@@ -246,6 +197,10 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->of_print.simulate.first = row->option;
     if (params == lf_rgbd_params && !kind && !is_inversion && !a->depth.rgbd)
         a->depth.rgbd = row->option;
+    if (params == lf_hologram_params && !kind && !a->hologram.option)
+        a->hologram.option = row->option;
+    if (params == lf_state_params && !a->render_option)
+        a->render_option = row->option;
     if (params == lf_video_params && !kind)
         take_video_option(a, row->option);
     if (!a->render_option && (params == lf_integrator_params() ||
@@ -321,6 +276,25 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
     return lf_error_set(err, LF_E_ARG, where, "applies only to OUT.mp4");
 }
 
+static lf_status check_hologram(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_options *o = &a->options;
+    char where[64];
+    if (a->kind != &lf_output_hologram) {
+        snprintf(where, sizeof where, "--%s", a->hologram.option ? a->hologram.option : "");
+        return a->hologram.option
+                   ? lf_error_set(err, LF_E_ARG, where, "needs --hologram and a folder as -o")
+                   : LF_OK;
+    }
+    if (o->preset || o->columns > 0 || a->frames.has_range || a->frames.turntable > 0)
+        return lf_error_set(err, LF_E_ARG, "--hologram", "cannot be combined with --%s",
+                            o->preset             ? "preset; use --hologram-preset"
+                            : o->columns > 0      ? "quilt"
+                            : a->frames.has_range ? "frames; a plate holds one scene"
+                                                  : "turntable; use --hologram-preset");
+    return lf_hologram_check(&a->hologram.options, err);
+}
+
 /* Checks the kind and the options that depend on it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
@@ -343,7 +317,7 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->depth.rgbd)
         return refuse_option(a->depth.rgbd, reads_rgbd, err);
-    if (check_video(a, err) != LF_OK)
+    if (check_video(a, err) != LF_OK || check_hologram(a, err) != LF_OK)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
@@ -464,8 +438,8 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where,
                             "cannot be combined with --%s, which renders nothing", a->kind->option);
-    if (a->stats || a->state)
-        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+    if (a->stats)
+        return lf_error_set(err, LF_E_ARG, "--stats",
                             "cannot be combined with %s; render one frame at a time for it", where);
     if (a->kind == &lf_output_wiggle)
         return lf_error_set(
@@ -539,12 +513,35 @@ static lf_status check_read_chart(const lf_render_arguments *a, bool has_scene, 
                                  true, NULL, err);
 }
 
+/* Refuses options that do not go with a part of a picture. */
+static lf_status check_part(const lf_render_arguments *a, lf_error *err)
+{
+    const lf_state_arguments *s = &a->state;
+    const char *where = s->has_rows ? "--rows" : "--stream";
+    const char *other = a->stats                               ? "--stats"
+                        : a->options.target_error > 0          ? "--target-error"
+                        : a->options.target_denoised_error > 0 ? "--target-denoised-error"
+                        : s->has_rows && a->budget.seconds > 0 ? "--time"
+                                                               : NULL;
+    if (!s->file)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "needs --state FILE, which receives what is rendered");
+    if (s->has_rows && s->first_row > s->last_row)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "%d:%d ends before it begins; expected FIRST:LAST with FIRST <= LAST",
+                            s->first_row, s->last_row);
+    if (other)
+        return lf_error_set(err, LF_E_ARG, where, "cannot be combined with %s%s", other,
+                            a->stats ? "" : "; give --spp or --passes");
+    return LF_OK;
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
-    if (a->state_info && (optind < argc || a->out))
+    if (a->state.info && (optind < argc || a->out))
         return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
-    if (a->state_info)
+    if (a->state.info)
         return LF_OK;
     if (a->of_print.photo || a->of_print.chart_file)
         return check_read_chart(a, optind < argc, err);
@@ -585,6 +582,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                             "cannot be combined; give only one of them");
     if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
+    a->hologram.all_rows = !a->frames.of_rows;
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
@@ -596,6 +594,10 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         status = choose_reconstruction(a, err);
     if (status == LF_OK)
         status = take_plain_preset(a, err);
+    if (status == LF_OK && a->kind == &lf_output_hologram)
+        a->frames.of_rows = true;
+    if (status == LF_OK && lf_state_is_all(&a->state))
+        status = check_part(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
 }
 
@@ -621,17 +623,19 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_simulate_params, NULL, &a->of_print.simulate},
                                      {lf_check_params, NULL, &a->of_print.check},
                                      {lf_rgbd_params, NULL, &a->rgbd},
+                                     {lf_hologram_params, NULL, &a->hologram.options},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},
-                                     {lf_standing_params, standing, &a->options.standing},
+                                     {lf_standing_params, LF_RENDER_STANDING, &a->options.standing},
                                      {lf_frames_params, NULL, &a->frames},
+                                     {lf_state_params, NULL, &a->state},
                                      {lf_video_params, NULL, &a->video},
                                      {0}};
     const lf_options_rules rules = {.program = LF_RENDER_PROGRAM,
                                     .letters = ":o:",
                                     .parts = parts,
                                     .table = table,
-                                    .print_help = print_help,
+                                    .print_help = lf_render_help,
                                     .take = take,
                                     .taken = taken,
                                     .context = a};

@@ -3,6 +3,7 @@
 #define LF_DAEMON_RENDER_ARGUMENTS_H
 
 #include "daemon/output/frames.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/render_job.h"
@@ -40,6 +41,30 @@ typedef struct lf_print_arguments {
     const char *photo, *chart_file;
 } lf_print_arguments;
 
+/* Options of holograms. */
+typedef struct lf_hologram_arguments {
+    lf_hologram_options options;
+    const char *option; /* the first option that needs --hologram */
+    bool all_rows;      /* no --camera-rows: all rows, and what needs all of them */
+} lf_hologram_arguments;
+
+/* Options of states. */
+typedef struct lf_state_arguments {
+    const char *file; /* NULL: the accumulation is not saved */
+    const char *info; /* print the head of this state file and nothing else */
+    /* Image rows, inclusive, and a random stream. If either was given, the state is the only
+     * output. */
+    int first_row, last_row, stream;
+    bool has_rows, has_stream;
+} lf_state_arguments;
+extern const lf_param lf_state_params[]; /* of rows and stream */
+
+/* True if the state is the only output. */
+static inline bool lf_state_is_all(const lf_state_arguments *state)
+{
+    return state->has_rows || state->has_stream;
+}
+
 /* Options of plans: the cost of a job and its tasks, instead of rendering. */
 typedef struct lf_plan_arguments {
     bool on;
@@ -56,9 +81,8 @@ typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
     const char *scene;  /* NULL for a chart */
     const char *out, *stats;
-    const char *state;      /* NULL: the accumulation is not saved */
-    const char *state_info; /* print the header of this state file and nothing else */
-    const char *files;      /* the receipt; NULL: none */
+    lf_state_arguments state;
+    const char *files; /* the receipt; NULL: none */
     lf_plan_arguments plan;
     char *const *argv; /* the whole command line, ended by NULL */
     const lf_output_kind *kind;
@@ -76,12 +100,18 @@ typedef struct lf_render_arguments {
     const char *photo_option; /* the first option that needs a finished picture */
     lf_depth_arguments depth;
     lf_rgbd_options rgbd;
+    lf_hologram_arguments hologram;
     lf_frames frames; /* checked */
     lf_video_options video;
     bool has_codec, has_fps;
     const char *video_option; /* the first option that needs a video */
     const char *mp4_option;   /* the first of these that does not apply to a GIF */
 } lf_render_arguments;
+
+/* Options of lf_standing_params; depth-inversion is in lf_rgbd_params, too, which has it. */
+#define LF_RENDER_STANDING "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y"
+/* Prints --help. */
+void lf_render_help(void);
 
 /* Parses argv into *out (strings point into it; unused members are zero). *out_done: --help or
  * --version was printed. LF_E_ARG with the option as `where`; LF_E_IO: the folder of a batch is

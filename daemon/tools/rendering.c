@@ -10,10 +10,11 @@
 #include "daemon/output/blank.h"
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
+#include "daemon/tools/rendering_plate.h"
 
 #define WITNESS_ROWS 32 /* of a print, to compare with the file */
 
-static int camera_rows(const lf_rendering *r)
+int lf_rendering_camera_rows(const lf_rendering *r)
 {
     return r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1;
 }
@@ -43,7 +44,7 @@ void lf_rendering_show(void *context, const lf_render_progress *progress)
 {
     lf_rendering *r = context;
     char text[160], left[64];
-    const double fraction = (r->camera_row + progress->fraction) / camera_rows(r),
+    const double fraction = (r->camera_row + progress->fraction) / lf_rendering_camera_rows(r),
                  seconds = r->times.seconds + progress->seconds;
     lf_rendering_state_look(r, progress);
     if (r->sequence.on) {
@@ -71,19 +72,21 @@ static void show_writing(void *context, double fraction)
 lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 {
     const char *out = r->arguments->out;
+    const bool goes_on = r->arguments->state.file;
     if (r->sequence.on && !r->video)
-        return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d %s were written",
+        return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d %s were written%s",
                             r->sequence.n_done, r->sequence.n_wanted,
-                            lf_frames_noun(&r->arguments->frames));
+                            lf_frames_noun(&r->arguments->frames),
+                            goes_on ? "; run the same command to continue" : "");
     if (r->state.is_kept)
         return lf_error_set(
             err, LF_E_CANCELLED, out,
             "interrupted: the work is saved in %s; run the same command to continue",
-            r->arguments->state);
+            r->state.path);
     return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
-                        !r->scene || r->sequence.on || r->arguments->state
-                            ? ""
-                            : "; use --state FILE to keep the work");
+                        goes_on                       ? "; run the same command again"
+                        : !r->scene || r->sequence.on ? ""
+                                                      : "; use --state FILE to keep the work");
 }
 
 /* --------------------------------------------------------------------------------- rendering -- */
@@ -91,6 +94,8 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 /* Warns of a depth that exceeds the limit, and of guides without a limit. */
 static void warn_of_depth(const lf_rendering *r)
 {
+    if (r->sequence.plate)
+        return; /* it has its own limit */
     const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
     const lf_render_settings settings = lf_rendering_in_lenses(r);
     lf_depth depth;
@@ -183,7 +188,7 @@ static void place_row(const lf_rendering *r, int channels, const float *from, fl
 {
     const size_t row = (size_t)r->settings.camera.n_views * (size_t)r->settings.width *
                        (size_t)channels,
-                 rows = (size_t)camera_rows(r), mine = (size_t)r->camera_row;
+                 rows = (size_t)lf_rendering_camera_rows(r), mine = (size_t)r->camera_row;
     for (size_t y = 0; y < (size_t)r->settings.height; y++)
         memcpy(all + (y * rows + mine) * row, from + y * row, row * sizeof *all);
 }
@@ -196,6 +201,8 @@ static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *fil
     lf_status status = LF_OK;
     if (r->gathered)
         times = *r->gathered;
+    else if (r->arguments->state.file)
+        times = r->state.times;
     else
         status = lf_render_spend(r->renderer, budget, estimator, film, lf_rendering_show, r,
                                  r->cancel, &times);
@@ -218,23 +225,39 @@ static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *fil
     return status;
 }
 
-/* Every row of a grid is a rig with a seed of its own. row_film, row_layers: buffers for one
- * row. */
+/* Spends the budget of the current camera row and keeps its state. */
+static lf_status save_row(lf_rendering *r, const lf_budget *budget, float *film, lf_error *err)
+{
+    const lf_saved_field field = {r->renderer, -1, -1, lf_rendering_show, r};
+    lf_status status = lf_rendering_state_spend(r, &field, budget, film, err);
+    if (status != LF_OK || !lf_state_is_all(&r->arguments->state))
+        return status;
+    r->times.passes += r->state.times.passes;
+    r->times.seconds += r->state.times.seconds;
+    r->times.cpu_seconds += r->state.times.cpu_seconds;
+    return LF_OK;
+}
+
+/* Every row of a grid is a rig with a seed of its own. row_film, row_layers: buffers for one row;
+ * NULL: only states are made. */
 static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_film,
                           float *row_layers, lf_error *err)
 {
     const char *out = r->arguments->out;
     const int channels = lf_layer_channels(layers_of(r), NULL);
     lf_status status = LF_OK;
-    for (r->camera_row = 0; status == LF_OK && r->camera_row < camera_rows(r); r->camera_row++) {
+    for (r->camera_row = 0; status == LF_OK && r->camera_row < lf_rendering_camera_rows(r);
+         r->camera_row++) {
         lf_render_settings settings = r->settings;
         settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
         settings.seed = lf_rows_seed(r->settings.seed, r->camera_row);
         status = begin(r, &settings, err);
-        if (status == LF_OK && r->arguments->state)
-            status = lf_rendering_state_spend(r, budget, row_film, err);
+        if (status == LF_OK && r->arguments->state.file && !r->gathered)
+            status = save_row(r, budget, row_film, err);
         if (status != LF_OK)
             return status;
+        if (lf_state_is_all(&r->arguments->state))
+            continue;
         status = render_row(r, budget, row_film, row_layers);
         if (row_film != r->film)
             place_row(r, 3, row_film, r->film);
@@ -251,8 +274,8 @@ lf_budget lf_rendering_budget(const lf_rendering *r)
     const lf_render_arguments *a = r->arguments;
     lf_budget budget = a->budget;
     budget.reconstructed = r->reconstructs;
-    budget.seconds /= camera_rows(r);
-    budget.cpu_seconds /= camera_rows(r);
+    budget.seconds /= lf_rendering_camera_rows(r);
+    budget.cpu_seconds /= lf_rendering_camera_rows(r);
     if (a->n_budgets == 0 || a->spp > 0)
         budget.passes = (a->spp > 0 ? a->spp : LF_RENDER_DEFAULT_SPP) * r->settings.camera.n_views;
     if (a->n_budgets == 0 && r->reconstructs && budget.passes > LF_RENDER_DEFAULT_PASSES)
@@ -268,6 +291,8 @@ lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
     const int channels = lf_layer_channels(layers_of(r), NULL);
     float *film = NULL, *layers = NULL; /* of one row of a grid */
     r->times = (lf_render_times){0};
+    if (lf_state_is_all(&r->arguments->state))
+        return run_rows(r, &budget, NULL, NULL, err);
     lf_status status = make_room(r, lf_camera_views(camera), 3, &r->film, err);
     if (status == LF_OK)
         status = make_room(r, lf_camera_views(camera), channels, &r->layers, err);
@@ -334,10 +359,10 @@ static json_t *make_record(const lf_rendering *r)
         return json_object();
     if (r->is_quilt)
         return record_picture(r);
-    return lf_output_settings(a->scene, &r->settings,
-                              lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
-                              a->options.estimator, r->reconstructs,
-                              (double)r->times.passes / camera_rows(r), &r->film_settings);
+    return lf_output_settings(
+        a->scene, &r->settings, lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
+        a->options.estimator, r->reconstructs,
+        (double)r->times.passes / lf_rendering_camera_rows(r), &r->film_settings);
 }
 
 /* Determines the exposure of the picture; nothing for drawn outputs. */
@@ -443,6 +468,8 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     };
     if (lf_rendering_is_track(r))
         status = write_track(r, &request, &source, err);
+    else if (r->sequence.plate)
+        status = lf_rendering_plate_write(r, &request, &source, err);
     else
         status = r->video ? lf_video_add(r->video, &request, &source, err)
                           : lf_output_write(&request, &source, err);
@@ -501,6 +528,7 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
 
 void lf_rendering_finish(lf_rendering *r)
 {
+    lf_rendering_plate_close(r);
     lf_video_destroy(r->video);
     lf_renderer_destroy(r->renderer);
     lf_scene_unref(r->scene);
@@ -511,4 +539,5 @@ void lf_rendering_finish(lf_rendering *r)
     lf_free(r->film);
     lf_free(r->layers);
     lf_free(r->path);
+    lf_free(r->state.path);
 }

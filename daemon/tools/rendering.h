@@ -6,26 +6,40 @@
 #include "daemon/tools/progress_line.h"
 #include "daemon/tools/render_arguments.h"
 
+typedef struct lf_plate_job lf_plate_job;
+
 /* Progress of a sequence; zeroed: one picture. */
 typedef struct lf_sequence_state {
     bool on;
     int frame;            /* current frame */
     int n_done, n_wanted; /* of the frames whose files did not exist at the start */
     double begun;         /* start of the first of them */
+    lf_plate_job *plate;  /* --hologram (rendering_plate.h); NULL: none */
 } lf_sequence_state;
 
 /* Between two saves of --state, seconds. */
 #define LF_STATE_INTERVAL 300.0
 
-/* State of --state; zeroed except interval is a valid start. */
+/* State of --state; zeroed except interval is a valid start. All but interval is of the current
+ * light field. */
 typedef struct lf_rendering_state {
     double interval;       /* between two saves, seconds */
-    double saved;          /* time of the last save or the start of the job */
+    double saved;          /* time of the last save or the start of the light field */
     double passes;         /* passes at the last request to save */
     bool goes_on, is_kept; /* the renderer holds passes to continue; the file exists */
     bool told;             /* the resumption was reported */
+    bool spreads;          /* only whole passes can be saved */
     lf_render_times times; /* total of all runs */
+    char *path;            /* the file; NULL: not known yet */
 } lf_rendering_state;
+
+/* A light field that has a state. */
+typedef struct lf_saved_field {
+    lf_renderer *renderer;
+    int frame, shutter_part; /* a part of a shutter; -1, -1: the current frame or row of r */
+    lf_render_progress_fn show;
+    void *context; /* of show */
+} lf_saved_field;
 
 typedef struct lf_shared_frames lf_shared_frames;
 
@@ -89,6 +103,15 @@ LF_NODISCARD lf_status lf_rendering_patched(lf_rendering *r, const json_t *patch
 void lf_rendering_show(void *context, const lf_render_progress *progress);
 /* Shows the finished fraction of the current frame. */
 void lf_rendering_show_frame(lf_rendering *r, double fraction);
+/* The camera of the current row of the scene's grid, for --camera-rows. LF_E_ARG: there is no such
+ * row, or the output has cameras of its own. */
+LF_NODISCARD lf_status lf_rendering_scene_row(const lf_rendering *r, lf_camera *out, lf_error *err);
+/* Whether --camera-rows are rows of the grid that a print defines, which only states can be of. */
+bool lf_rendering_is_print_row(const lf_rendering *r);
+/* Makes the current row of a print's grid, in r->settings, the camera. LF_E_ARG. */
+LF_NODISCARD lf_status lf_rendering_print_row(lf_rendering *r, lf_error *err);
+/* Rows of a camera grid; 1: not a grid. */
+int lf_rendering_camera_rows(const lf_rendering *r);
 /* The budget of one row of cameras. Budgets apply to each row, except times, which are divided. */
 lf_budget lf_rendering_budget(const lf_rendering *r);
 /* Sets r->path to the final name of a frame of a sequence. */
@@ -97,11 +120,19 @@ LF_NODISCARD lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *e
 lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err);
 /* With --state: requests a save if it is due. */
 void lf_rendering_state_look(lf_rendering *r, const lf_render_progress *progress);
-/* With --state: resumes from the file and spends the budget, saving at intervals and at the end.
- * LF_E_CANCELLED: saved; LF_E_STATE, LF_E_FORMAT: the file is of another job, or damaged; LF_E_ARG:
- * not possible with these cameras or this integrator. */
-LF_NODISCARD lf_status lf_rendering_state_spend(lf_rendering *r, const lf_budget *budget,
-                                                float *film, lf_error *err);
+/* With --state: resumes a light field from its file and spends the budget, saving at intervals and
+ * at the end. r->state.times is then the cost. Fills the holes, unless the state is the only
+ * output; a complete one is then not even read. LF_E_CANCELLED: saved; LF_E_STATE, LF_E_FORMAT: the
+ * file is of another job, or damaged; LF_E_ARG: not possible with these cameras or this
+ * integrator. */
+LF_NODISCARD lf_status lf_rendering_state_spend(lf_rendering *r, const lf_saved_field *field,
+                                                const lf_budget *budget, float *film,
+                                                lf_error *err);
+/* Checks that the image has the rows of --rows. LF_E_ARG. */
+LF_NODISCARD lf_status lf_rendering_state_fits(const lf_rendering *r, lf_error *err);
+/* The state file of a light field; numbers below 0: it has no such number. Caller frees; NULL = out
+ * of memory. */
+char *lf_rendering_state_path(const lf_rendering *r, int frame, int camera_row, int shutter_part);
 /* The settings by which depth is measured: those of the views, but a frame set is counted in lenses
  * across, like an interlaced print. */
 lf_render_settings lf_rendering_in_lenses(const lf_rendering *r);
@@ -112,7 +143,12 @@ LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_erro
 const lf_output_kind *lf_rendering_kind(const lf_rendering *r);
 /* True if the output is a video of the views of one job: a camera track. */
 bool lf_rendering_is_track(const lf_rendering *r);
-/* Renders r->scene; does nothing for a finished light field. */
+/* Removes the states of the current frame or row, whose files have been written; and one. */
+void lf_rendering_state_remove(const lf_rendering *r);
+void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
+                                  int shutter_part);
+/* Renders r->scene; does nothing for a finished light field. If the state is the only output, r has
+ * no picture afterwards. */
 LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);
 /* Writes the rendered or drawn output to r->path. */
 LF_NODISCARD lf_status lf_rendering_write(lf_rendering *r, lf_error *err);

@@ -6,11 +6,14 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/content.h"
+#include "daemon/tools/rendering_plate.h"
 #include "daemon/tools/rendering_shared.h"
 
 /* True if all files of the frame named r->path exist. */
 static bool is_there(const lf_rendering *r)
 {
+    if (r->sequence.plate)
+        return lf_rendering_plate_has(r, r->sequence.frame);
     const lf_output_kind *kind = lf_rendering_kind(r);
     int n = lf_output_n_files(kind, &r->print, lf_camera_views(&r->settings.camera));
     bool there = true;
@@ -27,7 +30,8 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
 {
     r->sequence.frame = frame;
     lf_status status = lf_rendering_name(r, frame, err);
-    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && !r->video && is_there(r);
+    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && !r->video &&
+                !lf_state_is_all(&r->arguments->state) && is_there(r);
     return status;
 }
 
@@ -109,8 +113,13 @@ static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_
         status = lf_rendering_check_outputs(r, err);
     if (status == LF_OK)
         status = lf_rendering_run(r, err);
-    if (status == LF_OK)
+    if (status == LF_OK && !lf_state_is_all(&r->arguments->state))
         status = lf_rendering_write(r, err);
+    if (status == LF_OK && r->arguments->state.file && !r->video &&
+        !lf_state_is_all(&r->arguments->state)) {
+        lf_rendering_state_remove(r);
+        lf_shared_frames_remove_states(shared, r);
+    }
     r->sequence.n_done += status == LF_OK;
     return status;
 }
@@ -122,6 +131,10 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
     const lf_camera camera = *lf_scene_camera(r->scene);
     lf_shared_frames *shared;
     lf_status status = lf_shared_frames_create(r, wanted, &shared, err);
+    if (shared && lf_state_is_all(&r->arguments->state))
+        status = lf_error_set(err, LF_E_ARG, r->arguments->state.has_rows ? "--rows" : "--stream",
+                              "cannot be combined with shutters that frames share; render whole "
+                              "frames");
     r->sequence.begun = lf_time_now();
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;
@@ -140,7 +153,7 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
     const lf_video_options options = lf_rendering_video_options(r);
     bool *wanted = lf_calloc((size_t)lf_frames_count(&a->frames), sizeof *wanted);
     lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
-    if (status == LF_OK && a->kind == &lf_output_video)
+    if (status == LF_OK && a->kind == &lf_output_video && !lf_state_is_all(&a->state))
         status = lf_video_create(r->path, &r->layout, &options, r->cancel, &r->video, err);
     if (status == LF_OK)
         status = count_frames(r, wanted, err);
@@ -148,6 +161,8 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
         status = make_frames(r, wanted, err);
     if (status == LF_OK && r->video)
         status = lf_video_finish(r->video, err);
+    if (status == LF_OK)
+        status = lf_rendering_plate_finish(r, err);
     lf_free(wanted);
     return status == LF_E_CANCELLED ? lf_rendering_interrupted(r, err) : status;
 }

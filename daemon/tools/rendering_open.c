@@ -16,8 +16,9 @@
 #include "daemon/output/content.h"
 #include "daemon/output/fit.h"
 #include "daemon/output/hld.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/rgbd_views.h"
-#include "daemon/tools/rendering.h"
+#include "daemon/tools/rendering_plate.h"
 
 /* Open files in addition to the files of an output. */
 #define OTHER_FILES 64
@@ -175,31 +176,6 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Checks that the current camera row exists in the scene. */
-static lf_status check_row(const lf_rendering *r, lf_error *err)
-{
-    const lf_camera *camera = lf_scene_camera(r->scene);
-    const lf_options *o = &r->arguments->options;
-    if (camera->n_rows == 0)
-        return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene has no camera grid; set camera.views");
-    if (r->arguments->frames.last >= camera->n_rows)
-        return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene has a %s of %d x %d cameras; expected rows within 0:%d",
-                            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows,
-                            camera->n_rows - 1);
-    const lf_output_kind *kind = r->arguments->kind;
-    if (kind->needs_panel || kind->check_print)
-        return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "cannot be combined with --%s, which defines its own cameras",
-                            kind->option);
-    if (o->views > 0 || o->preset)
-        return lf_error_set(
-            err, LF_E_ARG, o->preset ? "--preset" : "--views",
-            "cannot be combined with --camera-rows, because the scene defines the rows");
-    return LF_OK;
-}
-
 /* Default number of views of a loop on an arc. */
 static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
 {
@@ -248,15 +224,14 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
     const lf_camera *camera = lf_scene_camera(r->scene);
-    const bool of_rows = a->frames.of_rows;
+    const bool of_rows = a->frames.of_rows, of_print = lf_rendering_is_print_row(r);
     lf_camera row;
     const bool one_rig = a->kind->needs_panel || a->kind->check_print ||
                          a->kind == &lf_output_still || a->kind == &lf_output_wiggle ||
                          (a->kind->layers && (!a->rgbd.is_quilt || camera->list));
-    if (of_rows) {
-        if (check_row(r, err) != LF_OK)
+    if (of_rows && !of_print) {
+        if (lf_rendering_scene_row(r, &row, err) != LF_OK)
             return LF_E_ARG;
-        row = lf_camera_row(camera, r->sequence.frame);
         camera = &row;
     }
     const lf_options options = options_of(r, camera);
@@ -280,7 +255,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
             lf_output_print_rig(&r->print, &r->settings.camera);
         r->print.rolled = r->print.horizontal;
     }
-    return status;
+    return status == LF_OK && of_print ? lf_rendering_print_row(r, err) : status;
 }
 
 /* Replaces the scene by a patched one. Takes ownership of patch; NULL: out of memory. */
@@ -355,6 +330,8 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     lf_progress_line_clear(&r->line);
     if (status == LF_OK)
         lf_log_warnings(r->scene, NULL);
+    if (status == LF_OK)
+        status = lf_rendering_plate_open(r, err);
     if (status == LF_OK && moves && a->frames.turntable == 0 && !lf_scene_has_frames(r->scene))
         return lf_error_set(err, LF_E_ARG, "--frames",
                             "%s has no animation (a file name with %%04d, a glTF animation or "
@@ -368,7 +345,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     const lf_preset *preset = lf_options_preset(&a->options);
     if (status == LF_OK && preset && preset->is_plain)
         return whiten(r, err);
-    return status == LF_OK && a->options.fit.on ? fit(r, err) : status;
+    if (status == LF_OK && a->options.fit.on)
+        status = fit(r, err);
+    return status == LF_OK ? lf_rendering_plate_rig(r, err) : status;
 }
 
 /* Publishing by renaming would replace the input. Either may be NULL. */
@@ -401,9 +380,9 @@ static lf_status check_state(const lf_rendering *r, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     char *manifest = a->kind->check_print ? lf_output_file_name(a->kind, r->path, 1) : NULL;
     const char *const written[] = {r->path, a->stats, manifest};
-    lf_status status = check_not_input(a->state, a->scene, err);
+    lf_status status = check_not_input(a->state.file, a->scene, err);
     for (size_t i = 0; i < sizeof written / sizeof *written && status == LF_OK; i++)
-        if (written[i] && is_same_file(a->state, written[i]))
+        if (written[i] && is_same_file(a->state.file, written[i]))
             status = lf_error_set(err, LF_E_ARG, "--state",
                                   "names the same file as another output: %s", written[i]);
     lf_free(manifest);
@@ -438,14 +417,14 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
         status = check_not_input(a->stats, a->scene, err);
     if (status == LF_OK && a->files)
         status = check_not_input(a->files, a->scene, err);
-    if (status == LF_OK && a->state)
+    if (status == LF_OK && a->state.file)
         status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
     if (status == LF_OK && a->kind->check_print &&
         lf_print_check_wanted(&a->of_print.check, r->path))
         status = lf_print_check_room_beside(r->path, err);
-    if (status == LF_OK && a->kind->check_print && !a->plan.on)
+    if (status == LF_OK && a->kind->check_print && !a->plan.on && !lf_state_is_all(&a->state))
         status = lf_print_check_room(&r->print, lf_output_print_format(r->path), r->path, err);
     return status;
 }
@@ -454,7 +433,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
 static char *out_of(const lf_rendering *r, int frame)
 {
     const lf_render_arguments *a = r->arguments;
-    bool is_one = !r->sequence.on || a->kind == &lf_output_video;
+    bool is_one = !r->sequence.on || a->kind == &lf_output_video || a->kind == &lf_output_hologram;
     return is_one ? lf_strdup(a->out) : lf_frames_path(a->out, frame);
 }
 
@@ -492,15 +471,16 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     char *first = out_of(r, r->sequence.frame);
-    lf_status status = first ? check_folder_of(first, err)
-                             : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
+    lf_status status = !first ? lf_error_set(err, LF_E_NOMEM, a->out, "out of memory")
+                       : lf_state_is_all(&a->state) ? LF_OK
+                                                    : check_folder_of(first, err);
     lf_free(first);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
     if (status == LF_OK && a->files)
         status = check_folder_of(a->files, err);
-    if (status == LF_OK && a->state)
-        status = check_folder_of(a->state, err);
+    if (status == LF_OK && a->state.file)
+        status = check_folder_of(a->state.file, err);
     return status;
 }
 
@@ -511,7 +491,10 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     lf_film_settings film = *lf_scene_film_settings(r->scene);
     if (a->options.has_exposure)
         film = lf_exposed_film(&film, a->options.exposure);
-    if (!film.auto_exposure || lf_output_is_light(a->kind, a->out))
+    const bool is_light = a->kind == &lf_output_hologram
+                              ? a->hologram.options.format == LF_PLATE_EXR
+                              : lf_output_is_light(a->kind, a->out);
+    if (!film.auto_exposure || is_light)
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
                         "%sauto would give each of the %s another exposure; pass --exposure STOPS "
@@ -568,7 +551,8 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                                       : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
-    if (status == LF_OK && is_track && !r->arguments->plan.on)
+    if (status == LF_OK && is_track && !r->arguments->plan.on &&
+        !lf_state_is_all(&r->arguments->state))
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
@@ -661,18 +645,22 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = open_input(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
         status = provide_for_views(r, err);
-    if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)
-        status = lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+    if (status == LF_OK && lf_state_is_all(&a->state) && r->scene)
+        status = lf_rendering_state_fits(r, err);
+    if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
+        status = lf_error_set(err, LF_E_ARG, "--stats",
                               "supports one row of cameras, but the scene has several; render them "
                               "with --camera-rows");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
-    if (status == LF_OK && r->sequence.on)
+    if (status == LF_OK && r->sequence.on && !lf_state_is_all(&a->state))
         status = check_exposure(r, err);
     if (status == LF_OK && (a->kind == &lf_output_video || a->kind == &lf_output_wiggle))
         status = open_video(r, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
+    if (status == LF_OK)
+        status = lf_rendering_plate_begin(r, err);
     if (status == LF_OK && lf_pool_create(a->options.threads, &r->pool) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "--threads", "cannot start the worker threads");
     return status;

@@ -37,5 +37,8 @@ LF_NODISCARD lf_status lf_film_read(int fd, const lf_film *like, lf_film *out, l
  * visits). LF_E_IO, LF_E_FORMAT, LF_E_STATE (another version). */
 LF_NODISCARD lf_status lf_film_look(int fd, lf_film_layout *out_layout, uint64_t *out_seed,
                                     lf_error *err);
+/* Counts the rows with visits, from the streams at the start of a file; no row is read. LF_E_IO,
+ * LF_E_FORMAT, LF_E_STATE, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_film_count_rows(int fd, int *out_rows, lf_error *err);
 
 #endif

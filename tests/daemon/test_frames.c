@@ -75,7 +75,6 @@ static const struct {
     {"-o %s/x.png --turntable 4 --frames 2:5",
      "is outside --turntable 4; expected frames within 1:4"},
     {"-o %s/x.gif --wiggle --turntable 4", "--wiggle: cannot be combined with --turntable"},
-    {"-o %s/x.png --turntable 4 --state s", "--state: cannot be combined with --turntable"},
     {"-o %s/x.png --turntable 4 --stats s.json", "--stats: cannot be combined with --turntable"},
     {"-o %s/x.png --turntable 4 --exposure auto", "--exposure: auto"},
     {"-o %s/x.png --turntable 4 --fps 25", "--fps: applies only to OUT.mp4"},

@@ -4,11 +4,13 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "daemon/output/frames.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/server/methods.h"
 #include "daemon/tools/print_check.h"
+#include "daemon/tools/render_arguments.h"
 #include "daemon/tools/simulate.h"
 #include "render/papers/papers.h"
 
@@ -178,13 +180,23 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_find(lf_integrator_params(), option) &&
             !lf_param_find(lf_standing_params, option) &&
-            !lf_param_find(lf_simulate_params, option) &&
+            !lf_param_find(lf_simulate_params, option) && !lf_param_find(lf_state_params, option) &&
+            !lf_param_find(lf_hologram_params, option) &&
             !lf_param_among(&own, "passes spp time state state-info stats files plan json "
                                   "task-minutes task-memory read-chart chart-file help completion"))
             fail_msg("--%s is in no table", option);
         n++;
     }
     assert_true(n > 25);
+    lf_free(page);
+}
+
+static void every_option_of_holograms_stands_in_the_manual_of_quiltrender(void **state)
+{
+    (void)state;
+    char *page = read_page("docs/man/quiltrender.1");
+    for (const lf_param *row = lf_hologram_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
     lf_free(page);
 }
 
@@ -211,6 +223,8 @@ static void every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltre
     for (const lf_param *row = lf_video_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     for (const lf_param *row = lf_simulate_params; row->option; row = lf_param_next(row))
+        check_option(page, row, true);
+    for (const lf_param *row = lf_state_params; row->option; row = lf_param_next(row))
         check_option(page, row, true);
     lf_free(page);
 }
@@ -340,6 +354,7 @@ int main(void)
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),
         cmocka_unit_test(every_option_of_photos_stands_in_the_manuals),
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),
+        cmocka_unit_test(every_option_of_holograms_stands_in_the_manual_of_quiltrender),
         cmocka_unit_test(every_option_of_depth_stands_in_the_manual_of_quiltrender),
         cmocka_unit_test(every_option_of_sequences_and_videos_stands_in_the_manual_of_quiltrender),
         cmocka_unit_test(every_kind_of_output_stands_in_the_manuals_and_the_schema),

@@ -4,10 +4,12 @@
 #include <string.h>
 
 #include "daemon/output/frames.h"
+#include "daemon/output/hologram.h"
 #include "daemon/output/options.h"
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/tools/print_check.h"
+#include "daemon/tools/render_arguments.h"
 #include "daemon/tools/simulate.h"
 #include "tests/docs/tables.h"
 
@@ -34,6 +36,7 @@ static const struct group {
     {"simulate", lf_simulate_params, NULL, NULL, NULL, NULL},
     {"check", lf_check_params, NULL, NULL, NULL, NULL},
     {"depth", lf_rgbd_params, NULL, NULL, NULL, NULL},
+    {"hologram", lf_hologram_params, NULL, NULL, NULL, NULL},
     {"alone", lf_alone_params, NULL, NULL, NULL, NULL},
     {"photo", lf_photo_params, lf_picture_params, NULL, NULL, NULL},
     {"standing", lf_standing_params, NULL, NULL, NULL, NULL},
@@ -43,7 +46,7 @@ static const struct group {
     {"quiltd", NULL, NULL, NULL, "quiltd",
      "socket device state allow-path export-dir buttons web playlist seconds crossfade watch "
      "run-for"},
-    {"quiltrender", NULL, NULL, NULL, "quiltrender",
+    {"quiltrender", lf_state_params, NULL, NULL, "quiltrender",
      "state state-info stats files plan json task-minutes task-memory read-chart "
      "chart-file"},
     {"every", NULL, NULL, NULL, "quiltd", "help version completion"},

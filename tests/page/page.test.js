@@ -346,6 +346,7 @@ describe("the other tabs", () => {
     const order = async () => (await quiltd.q.call("playlist.get")).entries.map((entry) => entry.seconds === 7);
     await at("#slides .grip").nth(2).dragTo(at("#slides .grip").nth(0));
     await until(async () => (await order())[0]);
+    await until(async () => (await at("#slides .scrub").first().inputValue()).startsWith("7"));
     await at("#slides .name").first().press("Alt+ArrowDown");
     await until(async () => (await order())[1]);
     await until(() => page.evaluate(() => document.activeElement.dataset.key === "name1"));

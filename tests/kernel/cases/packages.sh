@@ -6,7 +6,7 @@
 # removed and purged. What is upgraded from are the same packages under an older version.
 . "$QUILTD_SOURCE/tests/kernel/lib.sh"
 new=$QUILTD_DEB old=$PWD/old
-packages='quiltd quiltd-tools quiltd-data'
+packages='quiltd quiltd-tools quiltd-node quiltd-data'
 
 # The packages once more, as version 0.1.
 make_older() {
@@ -81,11 +81,11 @@ fact "and is active" is_active
 fact "what was configured is kept" succeeds grep -q sim: /etc/default/quiltd
 fact "it answers" succeeds timeout 60 quiltctl status
 fact "a file's readers are there" succeeds timeout 60 quiltctl scene.load file=/usr/share/quiltd/scenes/cloud.json
-fact "apt removes it" succeeds apt_from "$new" remove quiltd quiltd-tools quiltd-data
+fact "apt removes it" succeeds apt_from "$new" remove $packages
 fact "nothing of it runs" not_running
 fact "programs are gone" has_no /usr/bin/quiltd /usr/bin/quiltctl /usr/libexec/quiltd /usr/share/quiltd
 fact "configuration and pictures are kept" keeps /etc/default/quiltd /var/lib/quiltd/export/kept.png
-fact "apt purges it" succeeds apt_from "$new" purge quiltd quiltd-tools quiltd-data
+fact "apt purges it" succeeds apt_from "$new" purge $packages
 fact "what it kept for itself is gone" has_no /etc/default/quiltd /var/cache/quiltd /run/quiltd
 fact "pictures are left" keeps /var/lib/quiltd/export/kept.png
 finish

@@ -1,0 +1,237 @@
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/farm_engine.h"
+#include "daemon/farm/farm_process.h"
+#include "daemon/farm/farm_text.h"
+
+#define RENDERER "quiltrender"
+
+/* ----------------------------------------------------------------------------------- options -- */
+
+const lf_param lf_farm_params[] = {
+    {.option = "engine",
+     .argument = "ENGINE",
+     .help = "plan: what runs the tasks",
+     .type = LF_PARAM_NAME,
+     .word_at = lf_farm_engine_name,
+     .place = offsetof(lf_farm_options, engine)},
+    {.option = "task-minutes",
+     .argument = "M",
+     .help = "plan: minutes of a task; 0: one light field each (20)",
+     .type = LF_PARAM_NUMBER,
+     .low = 0,
+     .high = 1e6,
+     .place = offsetof(lf_farm_options, task_minutes)},
+    {.option = "task-memory",
+     .argument = "SIZE",
+     .help = "plan: most memory of a task, such as 2G (no limit)",
+     .type = LF_PARAM_TEXT,
+     .place = offsetof(lf_farm_options, task_memory)},
+    {.option = "threads",
+     .argument = "N",
+     .help = "plan: threads of a task (4)",
+     .type = LF_PARAM_WHOLE,
+     .low = 1,
+     .high = 1024,
+     .place = offsetof(lf_farm_options, threads)},
+    {.option = "slots",
+     .argument = "N",
+     .help = "submit, resume: most tasks at once; plan: tell the time with so many",
+     .type = LF_PARAM_WHOLE,
+     .low = 1,
+     .high = 100000,
+     .place = offsetof(lf_farm_options, slots)},
+    {.option = "json",
+     .help = "plan, status: print JSON",
+     .type = LF_PARAM_SWITCH,
+     .place = offsetof(lf_farm_options, json)},
+    {0}};
+
+/* -------------------------------------------------------------------------------------- cost -- */
+
+/* Planned sums of a job. */
+typedef struct cost {
+    double tasks, finishes;         /* CPU seconds */
+    double longest, longest_finish; /* of one task or finish */
+    double memory;                  /* of the largest step */
+} cost;
+
+static cost cost_of(const lf_farm_job *job)
+{
+    cost c = {0};
+    for (int i = 0; i < job->n_tasks + job->n_finishes; i++) {
+        const lf_farm_step *s = &job->steps[i];
+        double *sum = i < job->n_tasks ? &c.tasks : &c.finishes,
+               *most = i < job->n_tasks ? &c.longest : &c.longest_finish;
+        *sum += s->cpu_seconds;
+        *most = s->cpu_seconds > *most ? s->cpu_seconds : *most;
+        c.memory = s->memory > c.memory ? s->memory : c.memory;
+    }
+    return c;
+}
+
+/* From the first start to the last end, if no task waits. */
+static double wall_seconds(const lf_farm_job *job, const cost *c, int slots)
+{
+    const double even = (c->tasks + c->finishes) / ((double)job->threads * slots),
+                 least = (c->longest + c->longest_finish) / job->threads;
+    return even > least ? even : least;
+}
+
+static double plan_number(const lf_farm_job *job, const char *key)
+{
+    return json_number_value(json_object_get(job->plan, key));
+}
+
+/* Bytes of all states at once. */
+static double all_states(const lf_farm_job *job)
+{
+    return plan_number(job, "state_bytes") * job->n_tasks;
+}
+
+static void warn_of_room(const lf_farm_job *job)
+{
+    struct statvfs fs;
+    char needed[32], room[32];
+    const double bytes = plan_number(job, "files_bytes") + all_states(job);
+    if (statvfs(job->path, &fs) != 0)
+        return;
+    const double free_bytes = (double)fs.f_bavail * (double)fs.f_frsize;
+    if (bytes > free_bytes)
+        lf_log(LF_LOG_WARNING, "%s: the disk has %s free; the job may need %s", job->path,
+               lf_farm_bytes(free_bytes, room, sizeof room),
+               lf_farm_bytes(bytes, needed, sizeof needed));
+}
+
+static void print_wall(const lf_farm_job *job, const cost *c, int asked)
+{
+    const int usual[] = {1, 10, 100};
+    char text[32];
+    printf("  wall time   ");
+    if (asked > 0)
+        printf("%s with %d tasks at once",
+               lf_farm_seconds(wall_seconds(job, c, asked), text, sizeof text), asked);
+    for (int i = 0; i < 3 && asked == 0 && (i == 0 || usual[i - 1] < job->n_tasks); i++)
+        printf("%s%s with %d", i > 0 ? ", " : "",
+               lf_farm_seconds(wall_seconds(job, c, usual[i]), text, sizeof text), usual[i]);
+    printf("%s\n", asked > 0 ? "" : " tasks at once");
+}
+
+static void print_cost(const lf_farm_job *job, int slots)
+{
+    const cost c = cost_of(job);
+    char a[32], b[32];
+    printf("%s: %d task%s", job->path, job->n_tasks, job->n_tasks == 1 ? "" : "s");
+    if (job->n_finishes > 0)
+        printf(" and %d finish%s", job->n_finishes, job->n_finishes == 1 ? "" : "es");
+    printf(", for %s\n", job->engine->name);
+    if (c.longest > 0) {
+        printf("  work        %s of CPU time; the longest task %s\n",
+               lf_farm_seconds(c.tasks + c.finishes, a, sizeof a),
+               lf_farm_seconds(c.longest, b, sizeof b));
+        print_wall(job, &c, slots);
+    } else {
+        printf("  work        unknown: an error ends it\n");
+    }
+    printf("  a task      %d threads, at most %s of memory\n", job->threads,
+           lf_farm_bytes(c.memory, a, sizeof a));
+    const double files = plan_number(job, "files_bytes");
+    printf("  disk        %s of files, at most %s of states\n",
+           files > 0 ? lf_farm_bytes(files, a, sizeof a) : "an unknown size",
+           lf_farm_bytes(all_states(job), b, sizeof b));
+    printf("next: quiltfarm submit %s\n", job->path);
+}
+
+static void print_json(const lf_farm_job *job, int slots)
+{
+    const cost c = cost_of(job);
+    json_t *json =
+        json_pack("{s:s, s:s, s:i, s:i, s:i, s:f, s:f, s:f, s:f}", "job", job->path, "engine",
+                  job->engine->name, "tasks", job->n_tasks, "finishes", job->n_finishes, "threads",
+                  job->threads, "cpu_seconds", c.tasks + c.finishes, "memory", c.memory,
+                  "files_bytes", plan_number(job, "files_bytes"), "state_bytes", all_states(job));
+    if (json && slots > 0)
+        json_object_set_new(json, "wall_seconds", json_real(wall_seconds(job, &c, slots)));
+    json_dumpf(json, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(json);
+}
+
+/* -------------------------------------------------------------------------------------- plan -- */
+
+static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *err)
+{
+    const lf_farm_options *o = c->options;
+    lf_farm_words words = {0};
+    char path[PATH_MAX];
+    char *text = NULL;
+    int code = 0;
+    json_error_t why;
+    lf_status status = lf_farm_find(RENDERER, path, err);
+    if (status != LF_OK)
+        return status;
+    lf_farm_words_add(&words, "%s", path);
+    lf_farm_words_add_list(&words, c->words);
+    lf_farm_words_add(&words, "--plan");
+    lf_farm_words_add(&words, "--json");
+    lf_farm_words_add(&words, "--threads");
+    lf_farm_words_add(&words, "%d", o->threads > 0 ? o->threads : LF_FARM_THREADS);
+    if (o->task_minutes >= 0) {
+        lf_farm_words_add(&words, "--task-minutes");
+        lf_farm_words_add(&words, "%.17g", o->task_minutes);
+    }
+    if (o->task_memory) {
+        lf_farm_words_add(&words, "--task-memory");
+        lf_farm_words_add(&words, "%s", o->task_memory);
+    }
+    status = words.failed ? lf_farm_no_memory(RENDERER, err)
+                          : lf_farm_process_read(words.list, &text, &code, err);
+    lf_farm_words_finish(&words);
+    if (status == LF_OK && code == 2)
+        status = lf_error_set(err, LF_E_ARG, RENDERER, "refuses the words after --");
+    else if (status == LF_OK && code != 0)
+        status = lf_error_set(err, LF_E_IO, RENDERER, "made no plan, as it says above");
+    if (status == LF_OK && !(*out = json_loads(text, 0, &why)))
+        status = lf_error_set(err, LF_E_FORMAT, RENDERER, "its plan is not JSON: %s", why.text);
+    lf_free(text);
+    return status;
+}
+
+lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
+{
+    const char *name = c->options->engine ? c->options->engine : lf_farm_engine_name(0);
+    char folder[PATH_MAX];
+    json_t *plan = NULL;
+    lf_farm_job job;
+    if (!c->words[0])
+        return lf_error_set(err, LF_E_ARG, "plan",
+                            "has nothing to render; pass it as -- SCENE -o OUT");
+    if (access(c->job, F_OK) == 0)
+        return lf_error_set(err, LF_E_EXISTS, c->job, "exists; choose a new folder for the job");
+    if (!getcwd(folder, sizeof folder))
+        return lf_error_set(err, LF_E_IO, ".", "the working folder has no name");
+    lf_status status = ask_renderer(c, &plan, err);
+    if (status == LF_OK)
+        status = lf_farm_job_make(c->job, lf_farm_engine_find(name), folder, plan, err);
+    json_decref(plan);
+    if (status != LF_OK)
+        return status;
+    status = lf_farm_job_open(c->job, &job, err);
+    if (status == LF_OK && c->options->json)
+        print_json(&job, c->options->slots);
+    else if (status == LF_OK)
+        print_cost(&job, c->options->slots);
+    if (status == LF_OK)
+        warn_of_room(&job);
+    lf_farm_job_close(&job);
+    return status;
+}

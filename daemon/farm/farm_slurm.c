@@ -1,0 +1,521 @@
+/* slurm: arrays of tasks, and finishes that depend on them. Calls sbatch, squeue, scontrol and
+ * scancel as programs. */
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "base/number.h"
+#include "daemon/farm/farm_engine.h"
+#include "daemon/farm/farm_process.h"
+
+/* Limits of a Slurm that does not tell its own: its defaults. */
+#define USUAL_ARRAY 1001
+#define USUAL_JOBS 10000
+#define MOST_FINISH_JOBS 500
+#define SPARE_JOBS 16 /* for other users, who submit at the same time */
+/* What a task asks for: memory and time of the plan with a margin, because machines differ. */
+#define MORE_MEMORY 1.25
+#define LEAST_MEMORY (256.0 * 1048576)
+#define MORE_TIME 3.0
+#define LEAST_MINUTES 10.0
+
+/* ----------------------------------------------------------------------------------- program -- */
+
+/* Runs one of Slurm's programs; *out_text (lf_free): what it prints. */
+static lf_status call(lf_farm_words *words, char **out_text, lf_error *err)
+{
+    int code = 0;
+    lf_status status = words->failed ? lf_farm_no_memory("slurm", err)
+                                     : lf_farm_process_read(words->list, out_text, &code, err);
+    if (status == LF_E_IO)
+        return lf_error_set(err, status, words->list[0],
+                            "not found; go to a machine with Slurm, or plan with --engine list");
+    if (status == LF_OK && code != 0) {
+        status = lf_error_set(err, LF_E_IO, words->list[0],
+                              "ended with status %d, as it says above", code);
+        lf_free(*out_text);
+        *out_text = NULL;
+    }
+    return status;
+}
+
+/* The name of the job in the queue: of its folder, and unique by its path. */
+static void queue_name(const lf_farm_job *job, char *buf, size_t size)
+{
+    uint32_t hash = 2166136261U; /* FNV-1a */
+    const char *folder = strrchr(job->path, '/');
+    char plain[64];
+    size_t n = 0;
+    for (const char *c = job->path; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 16777619U;
+    for (const char *c = folder ? folder + 1 : job->path; *c && n < sizeof plain - 1; c++)
+        plain[n++] = isalnum((unsigned char)*c) ? *c : '_';
+    plain[n] = '\0';
+    snprintf(buf, size, "%s-%08x", plain, hash);
+}
+
+/* ------------------------------------------------------------------------------------ limits -- */
+
+/* "KEY   = NUMBER" in what scontrol prints. */
+static int limit_of(const char *text, const char *key, int otherwise)
+{
+    uint64_t number;
+    const char *at = strstr(text, key);
+    at = at ? at + strlen(key) : "";
+    at += strspn(at, " =");
+    return lf_whole_read(at, &number) && number > 1 && number < 1000000000 ? (int)number
+                                                                           : otherwise;
+}
+
+/* How a submission is divided: steps per job of the queue, and indices per array. */
+typedef struct limits {
+    int stride, array;
+    int finish_stride;
+} limits;
+
+/* The jobs that the cluster holds of all users, finished ones too, as MaxJobCount counts them. */
+static lf_status count_jobs(int *out, lf_error *err)
+{
+    lf_farm_words words = {0};
+    char *text = NULL;
+    lf_farm_words_add(&words, "squeue");
+    lf_farm_words_add(&words, "--noheader");
+    lf_farm_words_add(&words, "--array");
+    lf_farm_words_add(&words, "--states=all");
+    lf_farm_words_add(&words, "--format=%%t");
+    const lf_status status = call(&words, &text, err);
+    lf_farm_words_finish(&words);
+    *out = 0;
+    for (const char *c = text; c && *c; c++)
+        *out += *c == '\n';
+    lf_free(text);
+    return status;
+}
+
+static int quotient_up(int n, int of)
+{
+    return (n + of - 1) / of;
+}
+
+/* A cluster that is nearly full gets more tasks in each job: sbatch would wait for minutes, and
+ * then fail. */
+static lf_status ask_limits(const lf_farm_job *job, limits *out, lf_error *err)
+{
+    lf_farm_words words = {0};
+    char *text = NULL;
+    int used = 0;
+    lf_farm_words_add(&words, "scontrol");
+    lf_farm_words_add(&words, "show");
+    lf_farm_words_add(&words, "config");
+    lf_status status = call(&words, &text, err);
+    lf_farm_words_finish(&words);
+    if (status == LF_OK)
+        status = count_jobs(&used, err);
+    if (status == LF_OK) {
+        const int room = limit_of(text, "MaxJobCount", USUAL_JOBS) - used - SPARE_JOBS;
+        const int most = room / 4 < MOST_FINISH_JOBS ? room / 4 : MOST_FINISH_JOBS;
+        const int n_finish = job->n_finishes < most ? job->n_finishes : most;
+        out->array = limit_of(text, "MaxArraySize", USUAL_ARRAY);
+        if (room < 4)
+            status =
+                lf_error_set(err, LF_E_BUSY, job->path,
+                             "Slurm holds %d jobs, and takes no more now; try again later", used);
+        else {
+            out->finish_stride = n_finish > 0 ? quotient_up(job->n_finishes, n_finish) : 1;
+            out->stride = quotient_up(job->n_tasks, room - n_finish);
+        }
+    }
+    lf_free(text);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------ script -- */
+
+static const char script[] =
+    "#!/bin/sh\n"
+    "#SBATCH --requeue\n"
+    "#SBATCH --open-mode=append\n"
+    "#SBATCH --signal=B:TERM@120\n"
+    "# task.sbatch task|finish FIRST STRIDE JOB QUILTFARM: written and sent by quiltfarm submit.\n"
+    "# Index I of the array runs the steps FIRST + I * STRIDE and the next STRIDE - 1 ones.\n"
+    "first=$(($2 + ${SLURM_ARRAY_TASK_ID:-0} * $3))\n"
+    "\"$5\" \"$1\" \"$4\" \"$first:$((first + $3 - 1))\" &\n"
+    "child=$!\n"
+    "trap 'kill -TERM \"$child\" 2> /dev/null' TERM\n"
+    "while :; do\n"
+    "    wait \"$child\"\n"
+    "    code=$?\n"
+    "    kill -0 \"$child\" 2> /dev/null || break\n"
+    "done\n"
+    "trap - TERM\n"
+    "# 75: interrupted with its state saved. The last task of an array has the array's own number\n"
+    "# as its job id, so the id is put together.\n"
+    "if [ \"$code\" -eq 75 ]; then\n"
+    "    id=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}\n"
+    "    scontrol requeue \"${id:-$SLURM_JOB_ID}\" && sleep 60\n"
+    "fi\n"
+    "exit \"$code\"\n";
+
+static lf_status write_script(const lf_farm_job *job, lf_error *err)
+{
+    char *path = lf_farm_job_path(job, "task.sbatch");
+    const lf_status status =
+        path ? lf_outfile_text(path, script, err) : lf_farm_no_memory(job->path, err);
+    lf_free(path);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------ sbatch -- */
+
+/* The largest demands of a range of steps. */
+static void ask_for(const lf_farm_job *job, int first, int last, int stride, lf_farm_words *words)
+{
+    double memory = LEAST_MEMORY, cpu = 0;
+    for (int i = first; i <= last; i++) {
+        memory = job->steps[i].memory > memory ? job->steps[i].memory : memory;
+        cpu = job->steps[i].cpu_seconds > cpu ? job->steps[i].cpu_seconds : cpu;
+    }
+    const double minutes = LEAST_MINUTES + MORE_TIME * stride * cpu / (60.0 * job->threads);
+    lf_farm_words_add(words, "--cpus-per-task=%d", job->threads);
+    lf_farm_words_add(words, "--mem=%.0fM", MORE_MEMORY * memory / 1048576 + 1);
+    if (cpu > 0)
+        lf_farm_words_add(words, "--time=%.0f", minutes);
+}
+
+static lf_status add_script(const lf_farm_job *job, bool is_task, int first, int stride,
+                            lf_farm_words *words, lf_error *err)
+{
+    char own[4096];
+    lf_status status = lf_farm_own_program(own, sizeof own, err);
+    if (status != LF_OK)
+        return status;
+    lf_farm_words_add(words, "%s/task.sbatch", job->path);
+    lf_farm_words_add(words, "%s", is_task ? "task" : "finish");
+    lf_farm_words_add(words, "%d", first);
+    lf_farm_words_add(words, "%d", stride);
+    lf_farm_words_add(words, "%s", job->path);
+    lf_farm_words_add(words, "%s", own);
+    return LF_OK;
+}
+
+/* Calls sbatch; *out_id: the job's number. Notes what index I of it runs. */
+static lf_status call_sbatch(lf_farm_words *words, int first, int stride, json_t *sent,
+                             uint64_t *out_id, lf_error *err)
+{
+    char *text = NULL;
+    lf_status status = call(words, &text, err);
+    if (status != LF_OK)
+        return status;
+    if (!lf_whole_read(text, out_id)) /* "12" or "12;CLUSTER" */
+        status = lf_error_set(err, LF_E_FORMAT, "sbatch", "prints no job number: %.60s", text);
+    else if (json_array_append_new(json_object_get(sent, "jobs"),
+                                   json_pack("{s:I, s:i, s:i}", "id", (json_int_t)*out_id, "first",
+                                             first, "stride", stride)) != 0)
+        status = lf_farm_no_memory("sbatch", err);
+    lf_free(text);
+    return status;
+}
+
+static void add_common(const lf_farm_job *job, const char *log, lf_farm_words *words)
+{
+    char name[96];
+    queue_name(job, name, sizeof name);
+    lf_farm_words_add(words, "sbatch");
+    lf_farm_words_add(words, "--parsable");
+    lf_farm_words_add(words, "--job-name=%s", name);
+    lf_farm_words_add(words, "--chdir=%s", job->path);
+    lf_farm_words_add(words, "--output=%s/log/%s", job->path, log);
+}
+
+/* ------------------------------------------------------------------------------------- tasks -- */
+
+static bool is_wanted(const lf_farm_job *job, const bool *wanted, int first, int stride)
+{
+    for (int i = first; i < first + stride && i < job->n_tasks; i++)
+        if (wanted[i])
+            return true;
+    return false;
+}
+
+/* The wanted indices below n, "0-5,8,10-20"; caller frees (free). NULL: none, or out of memory. */
+static char *index_list(const lf_farm_job *job, const bool *wanted, int first, int stride, int n)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    bool any = false;
+    for (int i = 0; i < n && out; i++) {
+        const int begin = i;
+        if (!is_wanted(job, wanted, first + i * stride, stride))
+            continue;
+        while (i + 1 < n && is_wanted(job, wanted, first + (i + 1) * stride, stride))
+            i++;
+        (void)fprintf(out, "%s%d", any ? "," : "", begin);
+        if (i > begin)
+            (void)fprintf(out, "-%d", i);
+        any = true;
+    }
+    if (!out || fclose(out) != 0 || !any) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+/* Jobs of the queue of one submission. */
+typedef struct arrays {
+    limits limits;
+    uint64_t *ids;      /* per array; 0: it has no wanted task */
+    uint64_t *finishes; /* per finish; 0: not sent */
+    int n;
+} arrays;
+
+static lf_status send_array(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+                            int number, json_t *sent, lf_error *err)
+{
+    const int first = number * a->limits.array * a->limits.stride;
+    const int left = quotient_up(job->n_tasks - first, a->limits.stride);
+    const int n = left < a->limits.array ? left : a->limits.array;
+    const int last = first + n * a->limits.stride - 1;
+    lf_farm_words words = {0};
+    char *list = index_list(job, batch->wanted, first, a->limits.stride, n);
+    if (!list)
+        return LF_OK;
+    add_common(job, "slurm_%A_%a.log", &words);
+    if (batch->slots > 0) /* the arrays share the slots */
+        lf_farm_words_add(&words, "--array=%s%%%d", list, quotient_up(batch->slots, a->n));
+    else
+        lf_farm_words_add(&words, "--array=%s", list);
+    free(list);
+    ask_for(job, first, last < job->n_tasks ? last : job->n_tasks - 1, a->limits.stride, &words);
+    lf_farm_words_add_list(&words, batch->words);
+    lf_status status = add_script(job, true, first, a->limits.stride, &words, err);
+    if (status == LF_OK)
+        status = call_sbatch(&words, first, a->limits.stride, sent, &a->ids[number], err);
+    lf_farm_words_finish(&words);
+    return status;
+}
+
+static lf_status send_arrays(const lf_farm_job *job, const lf_farm_batch *batch, json_t *sent,
+                             arrays *out, lf_error *err)
+{
+    lf_status status = ask_limits(job, &out->limits, err);
+    if (status != LF_OK)
+        return status;
+    const int covered = out->limits.array * out->limits.stride;
+    out->n = quotient_up(job->n_tasks, covered);
+    out->ids = lf_calloc((size_t)out->n, sizeof *out->ids);
+    out->finishes = lf_calloc((size_t)job->n_finishes, sizeof *out->finishes);
+    if (!out->ids || !out->finishes)
+        return lf_farm_no_memory(job->path, err);
+    for (int i = 0; i < out->n && status == LF_OK; i++)
+        status = send_array(job, batch, out, i, sent, err);
+    return status;
+}
+
+/* ---------------------------------------------------------------------------------- finishes -- */
+
+/* Prints ":12_3:12_4" for the sent tasks first to last; ":12" for whole arrays. */
+static void print_tasks(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+                        const int tasks[2], FILE *out)
+{
+    const int stride = a->limits.stride, covered = a->limits.array * stride;
+    const bool all = tasks[0] == 0 && tasks[1] == job->n_tasks - 1;
+    for (int i = tasks[0]; i <= tasks[1]; i += all ? covered - i % covered : stride - i % stride) {
+        const int array = i / covered, begin = i - i % stride;
+        if (a->ids[array] == 0 || (!all && !is_wanted(job, batch->wanted, begin, stride)))
+            continue;
+        (void)fprintf(out, ":%llu", (unsigned long long)a->ids[array]);
+        if (!all)
+            (void)fprintf(out, "_%d", (begin - array * covered) / stride);
+    }
+}
+
+/* Prints ":12:13" for the sent finishes that a closing one needs. */
+static void print_finishes(const lf_farm_job *job, const arrays *a, int finish, FILE *out)
+{
+    const lf_farm_step *s = &job->steps[finish];
+    uint64_t before = 0;
+    for (int i = s->tasks[0]; i <= s->tasks[1]; i++) {
+        const int needed = lf_farm_step_needed(job, finish, i);
+        const uint64_t id = needed >= job->n_tasks ? a->finishes[needed - job->n_tasks] : 0;
+        if (id != 0 && id != before)
+            (void)fprintf(out, ":%llu", (unsigned long long)id);
+        before = id;
+    }
+}
+
+/* Adds --dependency for what finishes need, if it is sent. tasks: of all these finishes. */
+static void add_dependency(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+                           int finish, const int tasks[2], lf_farm_words *words)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out && job->steps[finish].closes)
+        print_finishes(job, a, finish, out);
+    else if (out)
+        print_tasks(job, batch, a, tasks, out);
+    if (!out || fclose(out) != 0)
+        words->failed = true;
+    else if (size > 0) {
+        lf_farm_words_add(words, "--dependency=afterok%s", text);
+        lf_farm_words_add(words, "--kill-on-invalid-dep=yes");
+    }
+    free(text);
+}
+
+static lf_status send_finishes(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+                               int first, int last, json_t *sent, lf_error *err)
+{
+    int tasks[2] = {job->n_tasks, -1};
+    lf_farm_words words = {0};
+    uint64_t id = 0;
+    for (int i = first; i <= last; i++) {
+        if (!batch->wanted[i])
+            continue;
+        tasks[0] = job->steps[i].tasks[0] < tasks[0] ? job->steps[i].tasks[0] : tasks[0];
+        tasks[1] = job->steps[i].tasks[1] > tasks[1] ? job->steps[i].tasks[1] : tasks[1];
+    }
+    if (tasks[1] < 0)
+        return LF_OK;
+    add_common(job, "slurm_%j.log", &words);
+    add_dependency(job, batch, a, first, tasks, &words);
+    ask_for(job, first, last, last - first + 1, &words);
+    lf_farm_words_add_list(&words, batch->words);
+    lf_status status = add_script(job, false, first - job->n_tasks, last - first + 1, &words, err);
+    if (status == LF_OK)
+        status = call_sbatch(&words, first, last - first + 1, sent, &id, err);
+    for (int i = first; i <= last; i++)
+        a->finishes[i - job->n_tasks] = id;
+    lf_farm_words_finish(&words);
+    return status;
+}
+
+static lf_status send_slurm(lf_farm_job *job, const lf_farm_batch *batch, json_t *sent,
+                            lf_error *err)
+{
+    const int end = job->n_tasks + job->n_finishes;
+    arrays a = {0};
+    char name[96];
+    lf_status status = write_script(job, err);
+    if (status == LF_OK)
+        status = send_arrays(job, batch, sent, &a, err);
+    for (int i = job->n_tasks, next; i < end && status == LF_OK; i = next) {
+        next = i + 1;
+        while (next < end && next < i + a.limits.finish_stride && !job->steps[next].closes)
+            next++;
+        status = send_finishes(job, batch, &a, i, next - 1, sent, err);
+    }
+    lf_free(a.finishes);
+    lf_free(a.ids);
+    queue_name(job, name, sizeof name);
+    if (status == LF_OK)
+        lf_log(LF_LOG_INFO, "%s: sent to Slurm as %s; see quiltfarm status", job->path, name);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------------- look -- */
+
+/* The next word of a line, ended in place; "" at the end. */
+static char *next_word(char **line)
+{
+    char *word = *line + strspn(*line, " ");
+    char *end = word + strcspn(word, " \n");
+    *line = *end == ' ' ? end + 1 : end;
+    *end = '\0';
+    return word;
+}
+
+static const json_t *record_of(const json_t *sent, uint64_t id)
+{
+    const json_t *record;
+    size_t i;
+    json_array_foreach(json_object_get(sent, "jobs"), i,
+                       record) if ((uint64_t)json_integer_value(json_object_get(record, "id")) ==
+                                   id) return record;
+    return NULL;
+}
+
+/* Reasons for which nobody has to do anything. */
+static bool is_usual(const char *reason)
+{
+    static const char *const usual[] = {"None",       "Priority",  "Resources",
+                                        "Dependency", "BeginTime", "JobArrayTaskLimit",
+                                        "Cleaning",   "Prolog",    ""};
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
+        if (strcmp(reason, usual[i]) == 0)
+            return true;
+    return false;
+}
+
+/* "12 3 RUNNING None": number of the array, index, state, reason. */
+static void take_line(const lf_farm_job *job, const json_t *sent, char *line, lf_farm_queue *out)
+{
+    uint64_t id = 0, index = 0;
+    const bool is_known = lf_whole_is(next_word(&line), &id);
+    const char *at = next_word(&line), *state = next_word(&line), *reason = line;
+    const json_t *record = is_known ? record_of(sent, id) : NULL;
+    const bool runs = strcmp(state, "PENDING") != 0;
+    if (!lf_whole_is(at, &index) || index > 1000000)
+        index = 0;
+    if (runs)
+        out->n_running++;
+    else
+        out->n_queued++;
+    const int stride = (int)json_integer_value(json_object_get(record, "stride")),
+              first =
+                  (int)json_integer_value(json_object_get(record, "first")) + (int)index * stride;
+    for (int i = first; i < first + stride; i++)
+        if ((i < job->n_tasks) == (first < job->n_tasks))
+            lf_farm_queue_place(job, out, i, runs ? LF_FARM_RUNNING : LF_FARM_QUEUED);
+    if (!runs && !is_usual(reason))
+        snprintf(out->note, sizeof out->note, "Slurm keeps %llu_%s waiting: %s",
+                 (unsigned long long)id, at, reason);
+}
+
+static lf_status look_slurm(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
+                            lf_error *err)
+{
+    char name[96];
+    char *text = NULL;
+    lf_farm_words words = {0};
+    queue_name(job, name, sizeof name);
+    lf_farm_words_add(&words, "squeue");
+    lf_farm_words_add(&words, "--noheader");
+    lf_farm_words_add(&words, "--array");
+    lf_farm_words_add(&words, "--name=%s", name);
+    lf_farm_words_add(&words, "--format=%%F %%K %%T %%r");
+    const lf_status status = call(&words, &text, err);
+    lf_farm_words_finish(&words);
+    for (char *line = text, *end; line && *line; line = end) {
+        end = line + strcspn(line, "\n");
+        if (*end)
+            *end++ = '\0';
+        take_line(job, sent, line, out);
+    }
+    lf_free(text);
+    return status;
+}
+
+static lf_status cancel_slurm(const lf_farm_job *job, const json_t *sent, lf_error *err)
+{
+    char name[96];
+    char *text = NULL;
+    lf_farm_words words = {0};
+    (void)sent;
+    queue_name(job, name, sizeof name);
+    lf_farm_words_add(&words, "scancel");
+    lf_farm_words_add(&words, "--name=%s", name);
+    const lf_status status = call(&words, &text, err);
+    lf_farm_words_finish(&words);
+    lf_free(text);
+    return status;
+}
+
+const lf_farm_engine lf_farm_slurm = {
+    .name = "slurm", .send = send_slurm, .look = look_slurm, .cancel = cancel_slurm};

@@ -1,0 +1,142 @@
+/* quiltfarm: divides a job of quiltrender into tasks, and has a farm run them. See
+ * docs/man/quiltfarm.1. */
+#include <stdio.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/nearest.h"
+#include "daemon/farm/farm.h"
+#include "daemon/output/options.h"
+
+#define PROGRAM "quiltfarm"
+
+static const struct command {
+    const char *name, *words, *what;
+    lf_status (*run)(const lf_farm_command *command, lf_error *err);
+    bool takes_steps;
+    bool takes_words; /* behind -- */
+} commands[] = {
+    {"plan", "JOB -- SCENE -o OUT ...", "divide a job, tell its cost, and make its folder",
+     lf_farm_plan, false, true},
+    {"submit", "JOB [-- OPTION ...]", "send what is missing, with options for sbatch or parallel",
+     lf_farm_submit, false, true},
+    {"status", "JOB", "show what is complete, what failed, the cost and the time left",
+     lf_farm_status, false, false},
+    {"resume", "JOB [-- OPTION ...]", "submit again as last time, failed tasks, too",
+     lf_farm_resume, false, true},
+    {"merge", "JOB", "make the output here when all tasks are complete", lf_farm_merge, false,
+     false},
+    {"cancel", "JOB", "end all tasks; what they rendered is kept", lf_farm_cancel, false, false},
+    {"task", "JOB K[:L]", "run tasks: the commands in JOB/tasks", lf_farm_task, true, false},
+    {"finish", "JOB K[:L]", "run finishes: the commands in JOB/finishes", lf_farm_finish, true,
+     false},
+};
+
+enum { N_COMMANDS = sizeof commands / sizeof *commands, MOST_WORDS = 4096 };
+
+static void print_help(void)
+{
+    char left[80];
+    printf(
+        "Usage: quiltfarm COMMAND JOB [options] [-- words]\n"
+        "Render what quiltrender renders, on the machines of a farm. JOB is a folder that all of "
+        "them see.\n"
+        "\n");
+    for (int i = 0; i < N_COMMANDS; i++) {
+        snprintf(left, sizeof left, "%s %s", commands[i].name, commands[i].words);
+        printf("  %-30s %s\n", left, commands[i].what);
+    }
+    printf("\n");
+    lf_param_print_help(lf_farm_params, NULL);
+    printf(LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+}
+
+static const char *operand_at(int index)
+{
+    return index < N_COMMANDS ? commands[index].name : NULL;
+}
+
+/* JOB is a folder. */
+static bool follower_at(int operand, int index, char *word, size_t size)
+{
+    (void)operand;
+    (void)index;
+    (void)word;
+    (void)size;
+    return false;
+}
+
+static lf_status unknown_command(const char *word, lf_error *err)
+{
+    const char *names[N_COMMANDS + 1] = {NULL}, *meant;
+    for (int i = 0; i < N_COMMANDS; i++)
+        names[i] = commands[i].name;
+    meant = lf_nearest_name(word, names);
+    return meant ? lf_error_set(err, LF_E_ARG, word, "unknown command; did you mean %s?", meant)
+                 : lf_error_set(err, LF_E_ARG, word, "unknown command; see --help");
+}
+
+static lf_status take_operands(int n, char *const operands[], lf_farm_command *command,
+                               const struct command **out, lf_error *err)
+{
+    if (n < 1)
+        return lf_error_set(err, LF_E_ARG, "COMMAND", "is missing; see --help");
+    for (int i = 0; i < N_COMMANDS; i++)
+        if (strcmp(operands[0], commands[i].name) == 0)
+            *out = &commands[i];
+    if (!*out)
+        return unknown_command(operands[0], err);
+    if (n != ((*out)->takes_steps ? 3 : 2))
+        return lf_error_set(err, LF_E_ARG, (*out)->name, "expects %s", (*out)->words);
+    if (command->words[0] && !(*out)->takes_words)
+        return lf_error_set(err, LF_E_ARG, (*out)->name, "takes no words after --");
+    command->job = operands[1];
+    command->steps = (*out)->takes_steps ? operands[2] : NULL;
+    return LF_OK;
+}
+
+/* argv without what follows "--", which goes to command->words. */
+static lf_status read_arguments(int argc, char *argv[], lf_farm_options *options,
+                                lf_farm_command *command, const struct command **out,
+                                bool *out_done, lf_error *err)
+{
+    static char *own[MOST_WORDS];
+    const lf_options_part parts[] = {{.params = lf_farm_params, .object = options}, {NULL}};
+    const lf_options_rules rules = {.program = PROGRAM,
+                                    .letters = ":",
+                                    .parts = parts,
+                                    .print_help = print_help,
+                                    .operand_at = operand_at,
+                                    .follower_at = follower_at};
+    int n = 0;
+    while (n < argc && strcmp(argv[n], "--") != 0)
+        n++;
+    if (n >= MOST_WORDS)
+        return lf_error_set(err, LF_E_ARG, "COMMAND", "has too many words");
+    memcpy(own, argv, (size_t)n * sizeof *own);
+    command->words = argv + (n < argc ? n + 1 : argc);
+    const lf_status status = lf_options_read(n, own, &rules, out_done, err);
+    if (status != LF_OK || *out_done)
+        return status;
+    return take_operands(n - optind, own + optind, command, out, err);
+}
+
+int main(int argc, char *argv[])
+{
+    lf_farm_options options = {.task_minutes = -1};
+    lf_farm_command command = {.options = &options};
+    const struct command *chosen = NULL;
+    lf_error err = {0};
+    bool done = false;
+    lf_log_init(PROGRAM, LF_LOG_INFO);
+    lf_status status = read_arguments(argc, argv, &options, &command, &chosen, &done, &err);
+    if (status == LF_OK && !done)
+        status = chosen->run(&command, &err);
+    if (status == LF_E_ARG)
+        return lf_usage_error(PROGRAM, &err);
+    if (status != LF_OK)
+        lf_log_error(&err);
+    if (status == LF_E_CANCELLED)
+        return LF_EXIT_INTERRUPTED;
+    return status == LF_OK && fflush(stdout) == 0 ? LF_EXIT_OK : LF_EXIT_FAILED;
+}

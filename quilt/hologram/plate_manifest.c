@@ -1,0 +1,212 @@
+/* plate.json and manifest.json of a plate. */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "base/file_hash.h"
+#include "quilt/hologram/plate.h"
+
+#define MOST_JSON_BYTES ((uint64_t)1 << 30)
+
+/* ------------------------------------------------------------------------------- conventions -- */
+
+static json_t *flips_json(const lf_plate_flips *flips)
+{
+    return json_pack("{s:b, s:b, s:b, s:b, s:b}", "u", flips->u, "v", flips->v, "hx", flips->hx,
+                     "hy", flips->hy, "transpose", flips->transpose);
+}
+
+static json_t *samples_json(const lf_plate *plate)
+{
+    const bool is_linear = plate->format == LF_PLATE_EXR || plate->is_grey;
+    return json_pack(
+        "{s:s, s:i, s:s, s:s, s:s}", "channels", plate->is_grey ? "Y" : "RGB", "bits",
+        plate->format == LF_PLATE_PNG ? 8 : 16, "type",
+        plate->format == LF_PLATE_EXR ? "half" : "uint", "encoding", is_linear ? "linear" : "sRGB",
+        "profile", is_linear ? "linear, primaries of Rec. 709, white D65" : "sRGB (IEC 61966-2-1)");
+}
+
+static const char *layout_words(const lf_plate *plate)
+{
+    const lf_plate_place n = lf_plate_size(plate);
+    if (plate->form == LF_PLATE_RAW)
+        return "plate.raw: [hy][hx][v][u][channel]";
+    if (plate->form == LF_PLATE_HOGELS)
+        return "hogels/rHY/cHX: row v, column u";
+    if (n.v == 1 || n.u == 1)
+        return n.v == 1 ? "views/view_U: row hy, column hx" : "views/view_V: row hy, column hx";
+    return "views/rV/cU: row hy, column hx";
+}
+
+/* Facts and conventions. A new reference; NULL = out of memory. */
+static json_t *describe(const lf_plate *plate, const json_t *facts)
+{
+    const lf_plate_place n = lf_plate_size(plate);
+    json_t *made = json_pack(
+        "{s:i, s:s, s:s, s:s, s:[i,i], s:[i,i], s:s, s:s, s:o, s:o, s:s}", "quiltd_hologram", 1,
+        "kind", plate->camera_is_cell ? "H" : "V", "form", lf_plate_forms[plate->form], "parallax",
+        (plate->camera_is_cell ? plate->height : plate->rows) == 1 ? "hpo" : "full", "hogels", n.hx,
+        n.hy, "directions", n.u, n.v, "axes",
+        "hx right and hy down, as the viewer sees the plate; u right and v down, as eye positions",
+        "view_0", "the leftmost eye, of the topmost row", "flips", flips_json(&plate->flips),
+        "samples", samples_json(plate), "layout", layout_words(plate));
+    json_t *known = json_deep_copy(facts);
+    if (!made || !known || json_object_update(made, known) != 0) {
+        json_decref(made);
+        made = NULL;
+    }
+    json_decref(known);
+    return made;
+}
+
+static lf_status save(const char *folder, const char *name, const json_t *object, lf_error *err)
+{
+    char *text = object ? json_dumps(object, JSON_INDENT(1)) : NULL,
+         *path = lf_path_join(folder, name);
+    lf_status status = text && path ? lf_outfile_text(path, text, err)
+                                    : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    free(text);
+    lf_free(path);
+    return status;
+}
+
+/* NULL: the file is missing or no JSON object. */
+static json_t *load(const char *folder, const char *name)
+{
+    char *path = lf_path_join(folder, name), *text = NULL;
+    size_t size = 0;
+    json_t *object = NULL;
+    if (path && lf_file_read(path, NULL, MOST_JSON_BYTES, &text, &size, NULL) == LF_OK)
+        object = json_loadb(text, size, 0, NULL);
+    lf_free(text);
+    lf_free(path);
+    return object;
+}
+
+/* The first member of wanted that another object has not; NULL: none. Both have been through a
+ * file, so equal numbers are equal. */
+static const char *first_difference(const json_t *wanted, const json_t *there)
+{
+    json_t *object = (json_t *)(uintptr_t)wanted; /* jansson's iteration wants it mutable */
+    const char *key = NULL;
+    json_t *value = NULL;
+    json_object_foreach(object, key, value)
+    {
+        if (!json_equal(value, json_object_get(there, key)))
+            return key;
+    }
+    return NULL;
+}
+
+/* The same object as it is after it was in a file. Takes ownership. */
+static json_t *as_in_file(json_t *object)
+{
+    char *text = object ? json_dumps(object, 0) : NULL;
+    json_t *again = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+    json_decref(object);
+    return again;
+}
+
+lf_status lf_plate_begin(const lf_plate *plate, const char *folder, const json_t *facts,
+                         bool replace, lf_error *err)
+{
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return lf_error_set(err, LF_E_IO, folder, "cannot make the folder: %s",
+                            lf_errno_text(errno));
+    json_t *wanted = as_in_file(describe(plate, facts)), *there = load(folder, "plate.json");
+    lf_status status = LF_OK;
+    const char *key = wanted && there ? first_difference(wanted, there) : NULL;
+    if (!wanted)
+        status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    else if (!there || (replace && key))
+        status = save(folder, "plate.json", wanted, err);
+    else if (key)
+        status = lf_error_set(err, LF_E_EXISTS, folder,
+                              "the plate there has another \"%s\" (plate.json); choose another "
+                              "folder, or render it again with --overwrite",
+                              key);
+    json_decref(there);
+    json_decref(wanted);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------- files -- */
+
+static lf_status hash_file(const char *path, char out[static LF_HASH_TEXT], int64_t *out_size,
+                           lf_error *err)
+{
+    int fd;
+    const lf_status status = lf_file_open(path, NULL, UINT64_MAX, &fd, NULL, err);
+    if (status != LF_OK)
+        return status;
+    const bool is_read = lf_file_hash(fd, out, out_size);
+    close(fd);
+    return is_read ? LF_OK : lf_error_set(err, LF_E_IO, path, "cannot read it for the manifest");
+}
+
+static lf_status add_file(const lf_plate *plate, const char *folder, int i, json_t *files,
+                          lf_error *err)
+{
+    char hash[LF_HASH_TEXT];
+    int64_t size = 0;
+    char *name = lf_plate_file(plate, i), *path = name ? lf_path_join(folder, name) : NULL;
+    lf_status status = path ? hash_file(path, hash, &size, err)
+                            : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    if (status == LF_OK &&
+        json_array_append_new(files, json_pack("{s:s, s:I, s:s}", "name", name, "bytes",
+                                               (json_int_t)size, "sha256", hash)) != 0)
+        status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    lf_free(path);
+    lf_free(name);
+    return status;
+}
+
+lf_status lf_plate_manifest_write(const lf_plate *plate, const char *folder, const json_t *facts,
+                                  const lf_plate_run *run, lf_error *err)
+{
+    json_t *made = describe(plate, facts), *files = json_array();
+    lf_status status = LF_OK;
+    for (int i = 0; i < lf_plate_n_files(plate) && status == LF_OK; i++)
+        status = run->cancel && atomic_load_explicit(run->cancel, memory_order_relaxed)
+                     ? lf_error_set(err, LF_E_CANCELLED, folder, "cancelled")
+                     : add_file(plate, folder, i, files, err);
+    if (made && (json_object_set_new(made, "files", files) != 0 ||
+                 json_object_set_new(made, "missing", json_array()) != 0))
+        status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    if (status == LF_OK)
+        status = save(folder, "manifest.json", made, err);
+    json_decref(made);
+    return status;
+}
+
+static bool is_file(const char *folder, const json_t *file)
+{
+    const char *name = json_string_value(json_object_get(file, "name"));
+    char *path = name ? lf_path_join(folder, name) : NULL;
+    struct stat facts;
+    const bool there = path && stat(path, &facts) == 0 &&
+                       facts.st_size == json_integer_value(json_object_get(file, "bytes"));
+    lf_free(path);
+    return there;
+}
+
+bool lf_plate_is_finished(const lf_plate *plate, const char *folder, const json_t *facts)
+{
+    json_t *there = load(folder, "manifest.json"),
+           *wanted = there ? as_in_file(describe(plate, facts)) : NULL;
+    const json_t *files = json_object_get(there, "files");
+    bool is_finished = wanted && !first_difference(wanted, there) &&
+                       json_array_size(files) == (size_t)lf_plate_n_files(plate);
+    for (size_t i = 0; is_finished && i < json_array_size(files); i++)
+        is_finished = is_file(folder, json_array_get(files, i));
+    json_decref(wanted);
+    json_decref(there);
+    return is_finished;
+}

@@ -1,0 +1,366 @@
+/* The program quiltfarm, with a renderer of the test's own (tests/farm/fake) and without a
+ * scheduler. tests/farm.sh has schedulers, faults and the real renderer. */
+#include "tests/testing.h"
+
+#include <jansson.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+static struct {
+    int code;
+    char text[16384]; /* stdout and stderr */
+} got;
+
+/* Runs shell words in the folder. */
+static int run(const char *folder, const char *words)
+{
+    const char *said = lf_test_path(folder, "said");
+    char command[4096];
+    snprintf(command, sizeof command, "cd '%s' && { %s\n} > said 2>&1", folder, words);
+    const int status = system(command); /* NOLINT: words of this file */
+    assert_true(WIFEXITED(status));
+    FILE *file = fopen(said, "r");
+    assert_non_null(file);
+    got.text[fread(got.text, 1, sizeof got.text - 1, file)] = '\0';
+    fclose(file);
+    got.code = WEXITSTATUS(status);
+    return got.code;
+}
+
+/* Runs shell words, which must end with this code and say these words. */
+static void says(const char *folder, const char *line, int code, const char *words)
+{
+    if (run(folder, line) != code || !strstr(got.text, words))
+        fail_msg("%s: exit status %d, \"%s\"; expected %d, \"%s\"", line, got.code, got.text, code,
+                 words);
+}
+
+/* A folder with the scene of tests/farm, and bin/ with quiltfarm and the renderer. */
+static int set_up(void **state)
+{
+    char *folder = lf_test_folder(), words[4096];
+    assert_int_equal(mkdir(lf_test_path(folder, "bin"), 0755), 0);
+    snprintf(words, sizeof words, "cp '%s' bin/ && cp '%s' '%s' bin/ && cp '%s' .",
+             lf_test_built("quiltfarm"), lf_test_source("tests/farm/fake/quiltrender"),
+             lf_test_source("tests/farm/fake/quiltmerge"), lf_test_source("tests/farm/scene.json"));
+    says(folder, words, 0, "");
+    *state = folder;
+    return 0;
+}
+
+#define in_folder(test) cmocka_unit_test_setup_teardown(test, set_up, lf_test_folder_teardown)
+#define PLAN "bin/quiltfarm plan job --engine list -- scene.json -o out"
+
+static void plan(const char *folder)
+{
+    says(folder, PLAN, 0, "5 tasks and 3 finishes, for list");
+}
+
+/* A part of what status --json answers; a new reference. */
+static json_t *status_of(const char *folder, const char *key)
+{
+    assert_int_equal(run(folder, "bin/quiltfarm status job --json 2> /dev/null"), 0);
+    json_t *status = json_loads(got.text, 0, NULL);
+    assert_non_null(status);
+    json_t *value = json_incref(json_object_get(status, key));
+    json_decref(status);
+    assert_non_null(value);
+    return value;
+}
+
+static void assert_state(const char *folder, const char *expected)
+{
+    json_t *state = status_of(folder, "state");
+    assert_string_equal(json_string_value(state), expected);
+    json_decref(state);
+}
+
+static void assert_tasks(const char *folder, const char *key, int expected)
+{
+    json_t *tasks = status_of(folder, "tasks");
+    assert_int_equal(json_integer_value(json_object_get(tasks, key)), expected);
+    json_decref(tasks);
+}
+
+/* The words of the first failed step. */
+static void assert_failed(const char *folder, const char *expected)
+{
+    json_t *failed = status_of(folder, "failed");
+    const char *words = json_string_value(json_object_get(json_array_get(failed, 0), "words"));
+    if (!words || !strstr(words, expected))
+        fail_msg("\"%s\" instead of \"%s\"", words ? words : "no failure", expected);
+    json_decref(failed);
+}
+
+static bool is_there(const char *folder, const char *name)
+{
+    return access(lf_test_path(folder, name), F_OK) == 0;
+}
+
+#define EVERYTHING "sh -e job/tasks && bin/quiltfarm merge job"
+/* What one run writes. */
+#define DIRECT "bin/quiltrender scene.json -o direct --camera-rows 0:2"
+#define SAME "diff -r out direct"
+
+/* ----------------------------------------------------------------------------------- results -- */
+
+static void tasks_and_a_merge_make_what_one_run_makes(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    assert_state(folder, "planned");
+    says(folder, "bin/quiltfarm submit job | wc -l", 0, "5\n");
+    assert_state(folder, "queued");
+    says(folder, "bin/quiltfarm merge job", 1, "5 of 5 tasks are not complete");
+    says(folder, "sh -e job/tasks", 0, "task 4 is complete");
+    assert_tasks(folder, "complete", 5);
+    assert_state(folder, "queued");
+    says(folder, "bin/quiltfarm status job", 0, "next: quiltfarm merge");
+    says(folder, "bin/quiltfarm merge job", 0, "job: complete");
+    assert_state(folder, "complete");
+    says(folder, DIRECT " && " SAME, 0, "");
+    says(folder, "ls job/states | wc -l", 0, "0\n");
+    says(folder, "bin/quiltfarm submit job", 0, "complete");
+    json_t *outputs = status_of(folder, "outputs");
+    assert_int_equal(json_array_size(outputs), 3);
+    says(folder, "bin/quiltfarm status job --json | grep '/out/field_0002.txt'", 0, "\"/");
+    json_decref(outputs);
+}
+
+static void a_step_is_complete_while_its_files_have_their_sizes(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, EVERYTHING, 0, "");
+    says(folder, "echo more >> out/field_0001.txt", 0, "");
+    assert_state(folder, "interrupted");
+    says(folder, "bin/quiltfarm submit job", 0, "/job 2\n");
+    says(folder, "rm out/field_0001.txt; " EVERYTHING, 0, "");
+    assert_state(folder, "complete");
+    says(folder, DIRECT " && " SAME, 0, "");
+}
+
+static void only_what_is_missing_is_sent(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, "bin/quiltfarm task job 1:2 && bin/quiltfarm submit job 2> /dev/null", 0,
+         "/job 0\n");
+    assert_null(strstr(got.text, "/job 1\n"));
+    assert_null(strstr(got.text, "/job 2\n"));
+    assert_non_null(strstr(got.text, "/job 3\n"));
+    says(folder, "rm job/states/task_2_0001.lfstate; bin/quiltfarm submit job 2> /dev/null", 0,
+         "/job 2\n");
+}
+
+static void an_older_state_of_a_lost_machine_is_not_merged(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, "sh -e job/tasks", 0, "");
+    /* as long as before, so that sizes do not tell */
+    says(folder,
+         "sed -i 's/\"complete\": true /\"complete\": false/; s/true,/null,/' "
+         "job/states/task_1_0000.lfstate",
+         0, "");
+    says(folder, "bin/quiltfarm merge job", 1, "submit task 1 again");
+    assert_false(is_there(folder, "out/field_0000.txt"));
+    assert_tasks(folder, "complete", 4);
+    says(folder, "rm job/states/task_1_0000.lfstate", 0, "");
+    says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
+}
+
+static void the_same_task_twice_at_once_is_harmless(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "bin/quiltfarm task job 0 & a=$!; bin/quiltfarm task job 0 & b=$!; wait $a && wait $b", 0,
+         "task 0 is complete");
+    says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
+}
+
+/* ---------------------------------------------------------------------------------- failures -- */
+
+static void a_task_that_fails_leaves_its_words(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "cp scene.json good; sed -i '1s/{/{\"fail\": \"cloud.vdb: there is no such file\",/' "
+         "scene.json; "
+         "bin/quiltfarm task job 2",
+         1, "cloud.vdb: there is no such file");
+    assert_state(folder, "failed");
+    assert_failed(folder, "quiltrender: cloud.vdb: there is no such file");
+    says(folder, "bin/quiltfarm status job", 0, "failed    task 2, 1 time: quiltrender: cloud.vdb");
+    assert_false(is_there(folder, "out/field_0001.txt"));
+    says(folder, "bin/quiltfarm task job 2; bin/quiltfarm submit job", 0, "/job 2\n");
+    says(folder, "bin/quiltfarm task job 2; bin/quiltfarm submit job", 0, "1 step failed 3 times");
+    assert_null(strstr(got.text, "/job 2\n"));
+    says(folder, "mv good scene.json; bin/quiltfarm resume job", 0, "/job 2\n");
+    says(folder, EVERYTHING, 0, "");
+    assert_state(folder, "complete");
+}
+
+static void a_killed_program_is_told(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; bin/quiltfarm task job 0 & "
+         "task=$!; "
+         "until grep -qs 'from pass' job/log/task_0.log; do sleep 0.1; done; "
+         "for p in /proc/[0-9]*; do [ \"$(readlink $p/cwd)\" != \"$PWD\" ] || "
+         "! grep -qs '[q]uiltrender' $p/cmdline || kill -9 ${p#/proc/}; done; wait $task",
+         1, "was killed, perhaps because memory was short");
+    assert_failed(folder, "its last line: quiltrender: field 0: from pass 0");
+    assert_tasks(folder, "failed", 1);
+}
+
+static void an_interrupted_task_goes_on_from_its_state(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    for (int i = 0; i < 2; i++) /* TERM, then a hangup as of a lost ssh */
+        says(folder,
+             i == 0 ? "sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; bin/quiltfarm "
+                      "task job 0 & task=$!; "
+                      "until grep -qs 'from pass' job/log/task_0.log; do sleep 0.1; done; kill "
+                      "-TERM $task; wait $task"
+                    : "bin/quiltfarm task job 1 & task=$!; until grep -qs 'from pass' "
+                      "job/log/task_1.log; do sleep 0.1; done; "
+                      "kill -HUP $task; wait $task",
+             75, "interrupted");
+    assert_state(folder, "interrupted");
+    assert_tasks(folder, "failed", 0);
+    assert_true(is_there(folder, "job/states/task_0_0000.lfstate"));
+    assert_true(is_there(folder, "job/states/task_1_0000.lfstate"));
+    says(folder, "touch now; " EVERYTHING " && rm -r direct; " DIRECT " && " SAME, 0, "");
+}
+
+/* The scheduler often signals every process; the renderer ends at once when a signal comes twice.
+ */
+static void a_signal_to_all_processes_saves_the_state(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; setsid bin/quiltfarm task job "
+         "0 & task=$!; "
+         "until grep -qs 'from pass' job/log/task_0.log; do sleep 0.1; done; kill -TERM -$task; "
+         "wait $task",
+         75, "interrupted");
+    assert_true(is_there(folder, "job/states/task_0_0000.lfstate"));
+}
+
+/* ---------------------------------------------------------------------------------- mistakes -- */
+
+static void mistakes_on_the_command_line_are_told(void **state)
+{
+    const char *folder = *state;
+    says(folder, "bin/quiltfarm", 2, "COMMAND: is missing; see --help");
+    says(folder, "bin/quiltfarm sbumit job", 2, "did you mean submit?");
+    says(folder, "bin/quiltfarm status", 2, "status: expects JOB");
+    says(folder, "bin/quiltfarm status job -- more", 2, "takes no words after --");
+    says(folder, "bin/quiltfarm status job", 1, "there is no such folder");
+    says(folder, "bin/quiltfarm plan job", 2, "pass it as -- SCENE -o OUT");
+    says(folder, "bin/quiltfarm plan job --engine cloud -- scene.json -o out", 2,
+         "expects slurm, parallel or list");
+    says(folder, "bin/quiltfarm plan 'a%d' -- scene.json -o out", 2, "choose another name");
+    says(folder, "bin/quiltfarm plan job -- gone.json -o out", 1,
+         "gone.json: there is no such file");
+    says(folder, "bin/quiltfarm plan no/job -- scene.json -o out", 1, "cannot be made");
+    says(folder, "mkdir job; bin/quiltfarm status job", 1, "is no job; make one");
+    says(folder, PLAN, 1, "exists; choose a new folder");
+    says(folder, "rmdir job", 0, "");
+    plan(folder);
+    says(folder, PLAN, 1, "exists; choose a new folder");
+    says(folder, "bin/quiltfarm task job 5", 2, "the job has 5, from 0");
+    says(folder, "bin/quiltfarm task job 3:2", 2, "is no number of a step");
+    says(folder, "bin/quiltfarm task job -- 3", 2, "expects JOB K");
+    says(folder, "bin/quiltfarm finish job x", 2, "is no number of a step");
+    says(folder, "bin/quiltfarm cancel job", 1, "was not submitted");
+    says(folder, "bin/quiltfarm submit job; bin/quiltfarm cancel job", 1, "end the tasks there");
+}
+
+static void a_job_that_was_moved_is_refused(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, "mv job away; bin/quiltfarm status away", 1, "move it back");
+    says(folder, "mv away job; bin/quiltfarm status job", 0, "planned");
+    says(folder, "ln -s job link; bin/quiltfarm status link", 0, "/job: planned");
+}
+
+/* Plans that are damaged in one place each. */
+static void a_damaged_plan_makes_no_job(void **state)
+{
+    static const char *const changes[] = {
+        "s/\"tasks\": \\[{/\"tusks\": [{/",
+        "s/\"tasks\": \\[4, 4\\]/\"tasks\": [4, 5]/",
+        "s/\"tasks\": \\[4, 4\\]/\"tasks\": [4, 3]/",
+        "s/\"tasks\": \\[4, 4\\]/\"tasks\": null/",
+        "s/\"rows\": \\[0, 11\\]/\"rows\": [0]/",
+        "s/\"rows\": \\[0, 11\\]/\"rows\": [-1, 11]/",
+        "s/\"rows\": \\[0, 11\\]/\"rows\": [0, 1e9]/",
+        "s/\"rows\": \\[0, 11\\]/\"rows\": [0, \"b\"]/",
+        "s/\"field_option\": \"--camera-rows\"/\"field_option\": null/",
+        "s/\"cpu_seconds\": 6/\"cpu_seconds\": -6/"};
+    const char *folder = *state;
+    char words[512];
+    says(folder, "cp scene.json good", 0, "");
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        snprintf(words, sizeof words, "sed '%s' good > scene.json; cmp -s good scene.json || " PLAN,
+                 changes[i]);
+        says(folder, words, 1, "is no plan of this version");
+        assert_false(is_there(folder, "job"));
+    }
+    says(folder, "printf '#!/bin/sh\\necho }' > bin/quiltrender; " PLAN, 1, "its plan is not JSON");
+}
+
+static void damaged_files_of_a_job_are_refused_or_missing(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, EVERYTHING, 0, "");
+    says(folder, "for f in job/done/*; do echo '{' > $f; done; bin/quiltfarm status job", 0,
+         "planned");
+    says(folder, "echo '[]' > job/job.json; bin/quiltfarm status job", 1, "job.json: is damaged");
+    says(folder, "echo '{}' > job/job.json; bin/quiltfarm status job", 1, "is no plan");
+}
+
+static void the_plan_passes_words_on_and_tells_the_cost(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "bin/quiltfarm plan job --engine list --task-minutes 5 --task-memory 2G --threads 3 "
+         "--slots 2 -- scene.json -o out",
+         0, "work        21 s of CPU time; the longest task 6.0 s");
+    assert_non_null(strstr(got.text, "wall time   3.5 s with 2 tasks at once"));
+    assert_non_null(strstr(got.text, "3 threads, at most 30 MB of memory"));
+    says(folder, "tr -d ' \\n' < job/job.json", 0,
+         "\"asked\":{\"--task-minutes\":\"5\",\"--task-memory\":\"2G\"}");
+    says(folder, "cat job/tasks", 0, "/bin/quiltfarm task /");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        in_folder(tasks_and_a_merge_make_what_one_run_makes),
+        in_folder(a_step_is_complete_while_its_files_have_their_sizes),
+        in_folder(only_what_is_missing_is_sent),
+        in_folder(an_older_state_of_a_lost_machine_is_not_merged),
+        in_folder(the_same_task_twice_at_once_is_harmless),
+        in_folder(a_task_that_fails_leaves_its_words),
+        in_folder(a_killed_program_is_told),
+        in_folder(an_interrupted_task_goes_on_from_its_state),
+        in_folder(a_signal_to_all_processes_saves_the_state),
+        in_folder(mistakes_on_the_command_line_are_told),
+        in_folder(a_job_that_was_moved_is_refused),
+        in_folder(a_damaged_plan_makes_no_job),
+        in_folder(damaged_files_of_a_job_are_refused_or_missing),
+        in_folder(the_plan_passes_words_on_and_tells_the_cost),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
