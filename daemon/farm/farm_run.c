@@ -37,13 +37,15 @@ static lf_status say_end(const lf_farm_run *run, const char *program, lf_error *
         return LF_OK;
     if (lf_farm_is_told_to_end() || run->code == LF_EXIT_INTERRUPTED)
         return lf_error_set(err, LF_E_CANCELLED, program, "interrupted");
-    if (run->signal == SIGKILL)
+    /* a shell between the two answers 128 + signal */
+    const int number = run->signal == 0 && run->code > 128 ? run->code - 128 : run->signal;
+    if (number == SIGKILL)
         return lf_error_set(err, LF_E_STATE, program,
                             "was killed, perhaps because memory was short; its last line: %s",
                             run->last);
-    if (run->signal != 0)
+    if (number != 0)
         return lf_error_set(err, LF_E_STATE, program, "was ended by signal %d; its last line: %s",
-                            run->signal, run->last);
+                            number, run->last);
     return run->last[0] != '\0'
                ? lf_error_set(err, LF_E_STATE, "", "%s", run->last)
                : lf_error_set(err, LF_E_STATE, program, "ended with status %d", run->code);
