@@ -149,6 +149,7 @@ typedef struct lf_integrator_entry {
      * reconstruction */
     bool reconstructs;
     bool remembers; /* it has state besides its film: lf_renderer_passes_after refuses it */
+    bool spreads;   /* paths of a row reach others: the film receives a pass as a whole */
     /* supported traits of a scene and its view; lf_renderer_create refuses others */
     lf_traits supports;
 } lf_integrator_entry;
@@ -374,6 +375,8 @@ LF_NODISCARD lf_status lf_renderer_passes_after(lf_renderer *renderer, const lf_
 bool lf_renderer_is_at(const lf_renderer *renderer, const lf_part *part, const lf_asked *at);
 /* Whether the integrator in use has no state besides its film. */
 bool lf_renderer_is_its_film(const lf_renderer *renderer);
+/* Whether a film receives nothing of a pass before its end, so that a cancelled pass is lost. */
+bool lf_renderer_spreads(const lf_renderer *renderer);
 
 /* Per-pixel flags of a resolved row. */
 /* scattering is possible here but no path found any yet (W = 0): the value is a substitute */

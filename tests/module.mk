@@ -107,6 +107,9 @@ wrap_test_states := -Wl,--wrap=lf_renderer_restore
 
 # how often a state is saved
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
+# a pass that is stopped on its way into the film
+wrap_test_render_job := -Wl,--wrap=lf_film_merge
+wrap_test_state_kinds = $(wrap_test_job_state),--wrap=fsync
 
 # waiting that takes no time
 wrap_test_movie_player := -Wl,--wrap=lf_time_now_ns,--wrap=poll,--wrap=ppoll

@@ -45,11 +45,10 @@ static void print_help(void)
 {
     printf(
         "Usage: quiltmerge PART ... -o WHOLE.lfstate [options]\n"
-        "Put the states of parts of a light field together: bands of image rows (quiltrender "
-        "--rows)\n"
-        "bit for bit, random streams (--stream) as sums. quiltrender --state WHOLE.lfstate then "
-        "writes\n"
-        "the output at once.\n"
+        "Put the states of parts of a light field together: bands of image rows bit for bit, "
+        "random\n"
+        "streams as sums. quiltrender with the result as its state then writes the output at "
+        "once.\n"
         "\n"
         "  -o FILE                write the merged state here; never one of the parts\n"
         "  --files-from LIST      read more names of parts from a file, one per line\n"

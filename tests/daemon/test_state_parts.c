@@ -182,9 +182,9 @@ static void what_is_no_part_is_one_line(void **state)
         {"--stream 4 --target-error 1 --state %s/n", "cannot be combined with --target-error", 2},
         {"--rows 0:4 --stats - --state %s/n", "--rows: cannot be combined with --stats", 2},
         {"--rows 0:4 --integrator amvpt --state %s/n", "not supported with this --integrator", 2},
-        {"--spp 2 --state %s/mine", "differs in the image rows ([2, 5], now [0, 9])", 1},
-        {"--spp 2 --rows 2:4 --state %s/mine", "the image rows ([2, 5], now [2, 4])", 1},
-        {"--spp 2 --rows 2:5 --stream 1 --state %s/mine", "the random stream (0, now 1)", 1},
+        {"--spp 2 --state %s/mine", "differs in the image rows ([2, 5], not [0, 9])", 1},
+        {"--spp 2 --rows 2:4 --state %s/mine", "the image rows ([2, 5], not [2, 4])", 1},
+        {"--spp 2 --rows 2:5 --stream 1 --state %s/mine", "the random stream (0, not 1)", 1},
         {"--spp 1 --rows 2:5 --state %s/mine", "holds 2 spp, but this job asks for 1", 1},
         {"--spp 2 --rows 2:5 --state %s/none/x", "cannot write to the folder", 1},
     };
