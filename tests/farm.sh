@@ -38,6 +38,14 @@ END
 plate=(plate.json --hologram views --view-size 32x24 --spp 32)
 "$out/quiltrender" "${plate[@]}" -o single/ --threads 1 2> single.log || { cat single.log; exit 1; }
 
+# three frames of smoke
+for k in 1 2 3; do cp -L "$(dirname "$out")/scenes/cloud.vdb" "s_000$k.vdb" || exit; done
+cat > frames.json << 'END'
+{"quiltd": 1, "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "views": 3, "cone": 20},
+ "volumes": {"smoke": {"file": "s_%04d.vdb", "scale": 4, "albedo": 0.9}}, "lights": {"sky": {"type": "environment", "radiance": 0.7}}}
+END
+frames=(frames.json --quilt 3x1 --view-size 32x24 --passes 2)
+
 # quiltfarm finds the renderer in its own folder: bin/ has the real one, fake/ a stand-in. A task of bin/ whose file hold/task_K
 # exists stops after its beginning until the file is removed. hold/task_K.pid is then the number of the renderer.
 cp "$out/quiltfarm" bin/
@@ -101,10 +109,30 @@ same() { diff -r single "$1" 2>&1; }
 half_written() { find "$1" \( -name '.*' -o -size 0 \) -type f ! -name lock; } # temporary names of quiltd begin with a dot
 no_states() { find "$1/states" -type f; }
 
+# ------------------------------------------------------------------------------------------------------------ list --
+
+# What is small is one task, whose command must still be that of the whole job.
+by_list() { # name, words of quiltrender
+    local name=$1
+    shift
+    if ! { bin/quiltfarm plan "$name.job" --engine list --threads 1 -- "$@" && sh -e "$name.job/tasks" && bin/quiltfarm merge "$name.job"; } > list.log 2>&1; then
+        cat list.log
+    fi
+    expect_state "$name.job" complete
+}
+report "a small plate is one task, and has its manifest" "$(by_list one "${plate[@]}" -o one/; same one)"
+report "rows of a plate are made without it" "$(by_list rows "${plate[@]}" -o rows/ --camera-rows 0:1; ls rows/manifest.json 2> /dev/null; diff -rq single rows | grep -v '^Only in single')"
+if command -v ffmpeg > /dev/null; then
+    film=("${frames[@]}" --frames 2:3)
+    report "frames of a film are those of the command" "$("$out/quiltrender" "${film[@]}" -o film.mp4 2> film.log || cat film.log; by_list joined "${film[@]}" -o joined.mp4; cmp film_*.mp4 joined_*.mp4 2>&1)"
+else
+    skip "frames of a film are those of the command" "ffmpeg is not installed"
+fi
+
 # -------------------------------------------------------------------------------------------------------- parallel --
 
 by_parallel() {
-    bin/quiltfarm plan parallel.job --engine parallel --threads 1 --task-minutes 0.005 -- "${plate[@]}" -o parallel/ > parallel.log || return
+    bin/quiltfarm plan parallel.job --engine parallel --threads 1 --task-minutes 0.005 -- "${plate[@]}" -o parallel/ > parallel.log 2>&1
     report "a plan tells the cost" "$(for w in 'CPU time' 'tasks at once' 'of memory' 'of states'; do has_words parallel.log "$w"; done)"
     hold 0 1 2
     bin/quiltfarm submit parallel.job --slots 3 2> parallel.log &
@@ -184,7 +212,7 @@ is_down() { sinfo -h -n "$1" -o %T | grep -q down; }
 
 on_slurm() {
     hold 0 1 2 3 4
-    bin/quiltfarm plan plate.job --threads 1 --task-minutes 0 -- "${plate[@]}" -o plate/ > plan.log || return
+    bin/quiltfarm plan plate.job --threads 1 --task-minutes 0 -- "${plate[@]}" -o plate/ > plan.log 2>&1 || cat plan.log
     bin/quiltfarm submit plate.job 2> submit.log || cat submit.log
     report "more tasks than an array may have become two" "$(n=$(squeue -h -r -o '%F %K' | grep -vc N/A); [ "$n" -eq 7 ] || squeue -r)"
     report "a second submission is refused" "$(bin/quiltfarm submit plate.job > second.log 2>&1; has_words second.log 'was submitted already')"
@@ -223,16 +251,11 @@ on_slurm() {
 
 # A frame whose file has gone since the plan.
 never_on_slurm() {
-    for k in 1 2 3; do printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n' > "m_000$k.obj"; done
-    cat > frames.json << 'END'
-{"quiltd": 1, "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "views": 3, "cone": 20},
- "meshes": {"m": {"file": "m_%04d.obj"}}, "lights": {"sky": {"type": "environment", "radiance": 0.7}}}
-END
-    bin/quiltfarm plan frames.job --threads 1 --task-minutes 0 -- frames.json -o 'f_%04d.png' --quilt 3x1 --view-size 32x24 --spp 2 --frames 1:3 > plan.log || return
-    rm m_0002.obj
+    bin/quiltfarm plan frames.job --threads 1 --task-minutes 0 -- "${frames[@]}" -o 'f_%04d.png' --frames 1:3 > plan.log 2>&1 || cat plan.log
+    mv s_0002.vdb away
     bin/quiltfarm submit frames.job 2> submit.log || cat submit.log
     wait_for "the queue is empty" is_empty
-    report "a task that cannot succeed ends with its words" "$(expect_state frames.job failed; bin/quiltfarm status frames.job > status.log; has_words status.log 'failed    task 1, 1 time:'; has_words status.log 'm_0002.obj')"
+    report "a task that cannot succeed ends with its words" "$(expect_state frames.job failed; bin/quiltfarm status frames.job > status.log; has_words status.log 'failed    task 1, 1 time:'; has_words status.log 's_0002.vdb')"
     report "nothing is half written" "$(half_written .; find . -name '*f_0002*'; [ "$(find . -name 'f_000[13]*.png' | wc -l)" -eq 2 ] || find . -name '*f_000*')"
     for _ in 1 2; do
         bin/quiltfarm submit frames.job 2> submit.log || cat submit.log
@@ -240,7 +263,7 @@ END
     done
     bin/quiltfarm submit frames.job 2> submit.log
     report "it is not sent a fourth time" "$(has_words submit.log '1 step failed 3 times'; is_empty || squeue)"
-    printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n' > m_0002.obj
+    mv away s_0002.vdb
     bin/quiltfarm resume frames.job 2> submit.log || cat submit.log
     bin/quiltfarm cancel frames.job
     wait_for "the queue is empty" is_empty
