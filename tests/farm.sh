@@ -42,7 +42,7 @@ plate=(plate.json --hologram views --view-size 32x24 --spp 32)
 for k in 1 2 3; do cp -L "$(dirname "$out")/scenes/cloud.vdb" "s_000$k.vdb" || exit; done
 cat > frames.json << 'END'
 {"quiltd": 1, "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "views": 3, "cone": 20},
- "volumes": {"smoke": {"file": "s_%04d.vdb", "scale": 4, "albedo": 0.9}}, "lights": {"sky": {"type": "environment", "radiance": 0.7}}}
+ "volumes": {"smoke": {"file": "s_%04d.vdb", "sequence": {"missing": "error"}, "scale": 4, "albedo": 0.9}}, "lights": {"sky": {"type": "environment", "radiance": 0.7}}}
 END
 frames=(frames.json --quilt 3x1 --view-size 32x24 --passes 2)
 
@@ -90,7 +90,7 @@ wait_for() { # what, command…
     until "$@"; do
         left=$((left - 1))
         if [ "$left" -eq 0 ]; then
-            report "$what" "waited for too long: $*"
+            report "$what" "waited for too long in ${FUNCNAME[1]}: $*"
             logs
             end
         fi
@@ -98,7 +98,8 @@ wait_for() { # what, command…
     done
 }
 is_held() { [ -e "$top/hold/task_$1.pid" ]; }
-is_empty() { [ -z "$(squeue -h)" ]; }
+# (commands of Slurm fail now and then on a machine with other work)
+is_empty() { q=$(squeue -h 2> /dev/null) && [ -z "$q" ]; }
 has_ended() { ! kill -0 "$1" 2> /dev/null; }
 hold() { for k in "$@"; do : > "hold/task_$k"; done; }
 release() { for k in "$@"; do rm -f "hold/task_$k" "hold/task_$k.pid"; done; }
@@ -106,7 +107,7 @@ state() { bin/quiltfarm status "$1" --json 2> /dev/null | sed -n 's/^  "state": 
 expect_state() { [ "$(state "$1")" = "$2" ] || { bin/quiltfarm status "$1"; echo "expected $2"; }; }
 has_words() { grep -qF -- "$2" "$1" || { echo "$1 lacks \"$2\":"; tail -n 5 "$1"; }; }
 same() { diff -r single "$1" 2>&1; }
-half_written() { find "$1" \( -name '.*' -o -size 0 \) -type f ! -name lock; } # temporary names of quiltd begin with a dot
+half_written() { find "$1" -name '.?*quiltd-*' -o -name '*.new' -o -size 0 -name 'f_*'; }
 no_states() { find "$1/states" -type f; }
 
 # ------------------------------------------------------------------------------------------------------------ list --
@@ -219,10 +220,12 @@ on_slurm() {
     for k in 0 1 2; do wait_for "a task begins" is_held "$k"; done
     report "status shows a running job" "$(expect_state plate.job running)"
 
-    local lost
-    lost=$(node_of 2)
-    timeout 2 scancel --quiet --batch --signal=TERM "$(job_of 0)" || true # it may wait for the requeued job
-    scontrol requeue "$(job_of 1)"
+    local lost first second
+    find_jobs() { lost=$(node_of 2) first=$(job_of 0) second=$(job_of 1) && [ -n "$lost" ] && [ -n "$first" ] && [ -n "$second" ]; }
+    requeue() { scontrol requeue "$second" 2> /dev/null; }
+    wait_for "three tasks run" find_jobs
+    timeout 2 scancel --quiet --batch --signal=TERM "$first" || true # it may wait for the requeued job
+    wait_for "a task is requeued" requeue
     "$src/tests/farm/slurm" lose "$cluster" "$lost"
     release 0 1 2
     fake/quiltfarm plan bands.job --threads 1 -- bands.json -o slurm-bands > /dev/null
