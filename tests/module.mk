@@ -108,6 +108,9 @@ wrap_test_states := -Wl,--wrap=lf_renderer_restore
 # a file system without locks
 wrap_test_file_locks := -Wl,--wrap=flock,--wrap=access
 
+# many merges, none of which needs to be on a disk
+wrap_test_mutated_states := -Wl,--wrap=fsync
+
 # how often a state is saved
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 # a pass that is stopped on its way into the film
