@@ -99,7 +99,7 @@ static void a_complete_part_is_done_at_once(void **state)
     FILE *file = fopen(path, "r+e");
     assert_non_null(file);
     assert_int_equal(fseek(file, -100, SEEK_END), 0);
-    assert_int_equal(fputc(0x55 ^ bytes[n - 100], file), 0x55 ^ bytes[n - 100]);
+    assert_int_not_equal(fputc(0x55 ^ (unsigned char)bytes[n - 100], file), EOF);
     assert_int_equal(fclose(file), 0);
     qr_run(&o, "%s -o %s/d.png --rows 1:2 --spp 2 --state %s " SIZE, f->scene, f->folder, path);
     assert_int_equal(o.code, 0);
