@@ -59,7 +59,7 @@ INSTALL ?= install
 comma := ,
 # what reads files for the others: installed beside bin, in libexec
 readers := quiltimport quiltimport-vdb quiltimport-picture
-programs := quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb $(readers)
+programs := quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb $(readers)
 modules := base render quilt device daemon
 # each stands before those whose functions it calls
 libraries := web tools server farm engine papers render quilt model device base

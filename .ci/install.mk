@@ -14,7 +14,7 @@ service_units := $(patsubst %,quiltweb-%.socket,bridge events webxr)
 user_units := quiltweb.socket $(service_units) quiltweb-nng.socket
 
 # what shells complete, written by the programs from their tables
-completed := quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb
+completed := quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb
 shells := bash zsh fish
 completions := $(foreach s,$(shells),$(patsubst %,$(O)/completions/%.$(s),$(completed)))
 define completion

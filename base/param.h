@@ -88,6 +88,14 @@ void lf_param_defaults(const lf_param *params, void *object);
 LF_NODISCARD lf_status lf_param_from_text(const lf_param *row, const char *text, void *object,
                                           lf_error *err);
 
+/* The option of a first row and the rows joined to it as one word, "--print-size=190x277": what
+ * lf_param_from_text reads back. A switch without words is "--NAME" whatever its value. Not for an
+ * angle. The caller frees it with lf_free; NULL = out of memory. */
+char *lf_param_word(const lf_param *row, const void *object);
+/* True if the option was given (`has`), or without `has`: a field of its rows differs in the
+ * objects. */
+bool lf_param_differs(const lf_param *row, const void *object, const void *other);
+
 struct json_t;
 /* Sets fields from the keys of a JSON object that have rows; ignores other keys. LF_E_ARG with the
  * key as pointer. */

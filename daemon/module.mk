@@ -1,4 +1,4 @@
-# Seven programs with a main each. The rest are libraries, so that tests can link them: tools, which the programs share; server,
+# Eight programs with a main each. The rest are libraries, so that tests can link them: tools, which the programs share; server,
 # which quiltd composes; engine, what it renders with, which quiltrender and quiltbench link without the server; web, the gateway.
 quiltd_srcs := $(call wild,daemon/tools/quiltd.c)
 quiltctl_srcs := $(call wild,daemon/tools/quiltctl.c)
@@ -6,12 +6,14 @@ quiltrender_srcs := $(call wild,daemon/tools/quiltrender.c)
 libs_quiltrender := $(filter-out model,$(libraries))
 quiltsim_srcs := $(call wild,daemon/tools/quiltsim.c)
 quiltprint_srcs := $(call wild,daemon/tools/quiltprint.c)
+quiltmerge_srcs := $(call wild,daemon/tools/quiltmerge.c)
+libs_quiltmerge := $(libs_quiltrender)
 quiltfarm_srcs := $(call wild,daemon/tools/quiltfarm.c)
 # one file that runs on every node, and can be linked statically (LDFLAGS=-static)
 libs_quiltfarm := farm engine base
 $(O)/quiltfarm: own_libs := -ljansson -lm
 farm_srcs := $(call wild,daemon/farm/*.c)
-tools_srcs := $(filter-out $(quiltd_srcs) $(quiltctl_srcs) $(quiltrender_srcs) $(quiltsim_srcs) $(quiltprint_srcs) $(quiltfarm_srcs),$(call wild,daemon/tools/*.c))
+tools_srcs := $(filter-out $(quiltd_srcs) $(quiltctl_srcs) $(quiltrender_srcs) $(quiltsim_srcs) $(quiltprint_srcs) $(quiltmerge_srcs) $(quiltfarm_srcs),$(call wild,daemon/tools/*.c))
 server_srcs := $(foreach f,server parts show wire,$(call wild,daemon/$(f)/*.c))
 engine_srcs := $(foreach f,engine media output threads,$(call wild,daemon/$(f)/*.c))
 

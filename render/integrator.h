@@ -53,6 +53,10 @@ typedef struct lf_visit_order {
     /* of the scene, for the film's features (transport/path/sunlight.h); NULL: none */
     const struct lf_sunlight *sunlight;
     unsigned faults; /* lf_fault (rows/visit.h), in builds with LF_FAULTS */
+    /* of lf_renderer_passes_after, for entries that spread: what every row had before this visit.
+     * Rows that have more have had it; their paths are needed again, their sums are not. NULL: as
+     * the film says */
+    const lf_asked *at;
 } lf_visit_order;
 
 /* The rows of a pass: first_row, first_row + row_step, … */

@@ -149,6 +149,7 @@ typedef struct lf_integrator_entry {
      * reconstruction */
     bool reconstructs;
     bool remembers; /* it has state besides its film: lf_renderer_passes_after refuses it */
+    bool spreads;   /* paths of a row reach others: the film receives a pass as a whole */
     /* supported traits of a scene and its view; lf_renderer_create refuses others */
     lf_traits supports;
 } lf_integrator_entry;
@@ -353,6 +354,9 @@ LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *
                                           int64_t n_passes, bool split, lf_passes_fn row_done,
                                           void *context, const lf_cancel *cancel);
 
+/* The visits of a row that n_passes passes make in an empty film, two whole cycles a call. */
+int64_t lf_renderer_visits(const lf_renderer *renderer, int64_t n_passes);
+
 /* What calls of lf_renderer_passes for one part have added to an empty film. Zeroed: none. */
 typedef struct lf_asked {
     double given[2]; /* passes of each half */
@@ -374,6 +378,8 @@ LF_NODISCARD lf_status lf_renderer_passes_after(lf_renderer *renderer, const lf_
 bool lf_renderer_is_at(const lf_renderer *renderer, const lf_part *part, const lf_asked *at);
 /* Whether the integrator in use has no state besides its film. */
 bool lf_renderer_is_its_film(const lf_renderer *renderer);
+/* Whether a film receives nothing of a pass before its end, so that a cancelled pass is lost. */
+bool lf_renderer_spreads(const lf_renderer *renderer);
 
 /* Per-pixel flags of a resolved row. */
 /* scattering is possible here but no path found any yet (W = 0): the value is a substitute */

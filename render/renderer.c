@@ -204,7 +204,8 @@ static void run_row(void *context, int item, int worker)
         return;
     const lf_film_counts *given = &r->film.streams[job->order.stream].rows[row];
     int half = job->half >= 0 ? job->half : given->visits[0] > given->visits[1];
-    const bool has_had_it = job->at && given->visits[half] > job->at->visits[half];
+    const bool has_had_it =
+        job->at && !job->order.at && given->visits[half] > job->at->visits[half];
     if ((has_had_it ||
          r->integrator->visit(r->state, &job->order, row, half, worker, job->cancel)) &&
         job->row_done)
@@ -359,13 +360,34 @@ static void report_row(void *context, int row, int worker)
         report->row_done(report->context, report->passes, worker);
 }
 
+static const lf_integrator_entry *entry_of(const lf_renderer *r)
+{
+    int i = 0;
+    while (strcmp(r->integrator->entry(i)->name, r->settings.integrator) != 0)
+        i++;
+    return r->integrator->entry(i);
+}
+
+bool lf_renderer_is_its_film(const lf_renderer *renderer)
+{
+    return !entry_of(renderer)->remembers;
+}
+
+bool lf_renderer_spreads(const lf_renderer *renderer)
+{
+    return entry_of(renderer)->spreads;
+}
+
 /* One visit of every row of the part; at: only rows that have not had it. */
 static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half, int subsets,
                            int column_step, lf_passes_report *report, const lf_asked *at,
                            const lf_cancel *cancel)
 {
     lf_pass_job job = {.renderer = renderer,
-                       .order = {.subsets = subsets, .column_step = column_step, .hole_reach = -1},
+                       .order = {.subsets = subsets,
+                                 .column_step = column_step,
+                                 .hole_reach = -1,
+                                 .at = entry_of(renderer)->spreads ? at : NULL},
                        .part = whole_part(renderer, part),
                        .half = half,
                        .at = at,
@@ -378,6 +400,9 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
     }
     return run(&job);
 }
+
+/* Pairs of whole cycles after which visits have their full size. */
+#define MOST_GROWTH 16
 
 /* A reconstruction needs many film points early: short visits, each at most a quarter of the passes
  * of the half so far. */
@@ -483,6 +508,27 @@ lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part, int64_t
     return give_passes(renderer, part, NULL, n_passes, split, &report, cancel);
 }
 
+int64_t lf_renderer_visits(const lf_renderer *renderer, int64_t n_passes)
+{
+    const int64_t cycles = 2 * (int64_t)renderer->film.n_views;
+    double given[2] = {0.0, 0.0};
+    int64_t n = 0, of_cycles = 0;
+    for (int i = 0; i < MOST_GROWTH && n_passes > 0; i++) {
+        int64_t now = n_passes < cycles ? n_passes : cycles, left[2] = {now - now / 2, now / 2};
+        n_passes -= now;
+        of_cycles = 0;
+        while (left[0] + left[1] > 0) {
+            const int half = left[1] > left[0], most = passes_of_visit(renderer, given[half]),
+                      subsets = left[half] < most ? (int)left[half] : most;
+            left[half] -= subsets;
+            given[half] += subsets;
+            of_cycles++;
+        }
+        n += of_cycles;
+    }
+    return n + (n_passes + cycles - 1) / cycles * of_cycles; /* visits do not grow any more */
+}
+
 lf_status lf_renderer_passes_after(lf_renderer *renderer, const lf_part *part, lf_asked *at,
                                    int64_t n_passes, bool split, lf_passes_fn row_done,
                                    void *context, const lf_cancel *cancel)
@@ -499,26 +545,19 @@ static bool is_in(const lf_part *part, int row)
            (row - part->first_row) % part->row_step == 0;
 }
 
-/* The visits of the part's stream were compared with *at on the way to it: all visits of a row are
- * that many, so they are its own. */
 bool lf_renderer_is_at(const lf_renderer *renderer, const lf_part *part, const lf_asked *at)
 {
+    const lf_film *film = &renderer->film;
     const lf_part whole = whole_part(renderer, part);
-    for (int row = 0; row < renderer->film.height; row++)
-        for (int half = 0; half < 2; half++)
-            if (renderer->film.rows[row].visits[half] !=
-                (is_in(&whole, row) ? at->visits[half] : 0))
+    const lf_film_stream *stream = lf_film_find_stream(film, renderer->settings.seed, whole.stream);
+    for (int row = 0; row < film->height; row++)
+        for (int half = 0; half < 2; half++) {
+            const uint32_t own = stream ? stream->rows[row].visits[half] : 0;
+            if (film->rows[row].visits[half] != own ||
+                own != (is_in(&whole, row) ? at->visits[half] : 0))
                 return false;
+        }
     return true;
-}
-
-bool lf_renderer_is_its_film(const lf_renderer *renderer)
-{
-    const lf_integrator *integrator = renderer->integrator;
-    int i = 0;
-    while (strcmp(integrator->entry(i)->name, renderer->settings.integrator) != 0)
-        i++;
-    return !integrator->entry(i)->remembers;
 }
 
 /* ----------------------------------------------------------------------------------- answers -- */

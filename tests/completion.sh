@@ -10,7 +10,7 @@ out=$(cd "$out" && pwd)
 
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
-programs=(quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb)
+programs=(quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb)
 for p in "${programs[@]}"; do
     for s in bash zsh fish; do
         "$out/$p" --completion "$s" > "$top/$p.$s" || echo "$p: $s: exit status not 0" >> "$top/complaints"
@@ -78,6 +78,8 @@ in_bash() {
     offers 'quiltbench cur' 'curve'
     offers 'quiltbench curve --contenders' '--contenders'
     offers 'quiltbench curve sc' 'scene.json'
+    offers 'quiltfarm st' 'status'
+    offers 'quiltfarm plan job --engine p' 'parallel'
     has_word 'quiltd --preset ' portrait
     has_word 'quiltctl ' status
 }

@@ -25,8 +25,8 @@ fi
 
 missing() {
     local f
-    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltfarm bin/quiltprint bin/quiltsim bin/quiltbench bin/quiltweb libexec/quiltd/quiltimport libexec/quiltd/quiltimport-vdb libexec/quiltd/quiltimport-picture share/quiltd/docs/scene.schema.json share/quiltd/docs/reference/scene-format.md share/quiltd/docs/reference/protocol.md share/quiltd/docs/reference/client.py share/quiltd/docs/guide/prints.md \
-        share/quiltd/scenes/first-light.json share/quiltd/lenses/nominal-60.json share/quiltd/printers/epson-720.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 share/man/man1/quiltfarm.1 share/man/man1/quiltprint.1 share/man/man1/quiltsim.1 share/man/man1/quiltweb.1 \
+    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltfarm bin/quiltmerge bin/quiltprint bin/quiltsim bin/quiltbench bin/quiltweb libexec/quiltd/quiltimport libexec/quiltd/quiltimport-vdb libexec/quiltd/quiltimport-picture share/quiltd/docs/scene.schema.json share/quiltd/docs/reference/scene-format.md share/quiltd/docs/reference/protocol.md share/quiltd/docs/reference/client.py share/quiltd/docs/guide/prints.md \
+        share/quiltd/scenes/first-light.json share/quiltd/lenses/nominal-60.json share/quiltd/printers/epson-720.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 share/man/man1/quiltfarm.1 share/man/man1/quiltmerge.1 share/man/man1/quiltprint.1 share/man/man1/quiltsim.1 share/man/man1/quiltweb.1 \
         share/bash-completion/completions/quilt{d,ctl,render,farm,print,sim,bench,web} share/zsh/vendor-completions/_quilt{d,ctl,render,farm,print,sim,bench,web} \
         share/fish/vendor_completions.d/quilt{d,ctl,render,farm,print,sim,bench,web}.fish \
         lib/systemd/system/quiltd.{service,socket} lib/systemd/system/quiltweb.{service,socket} lib/systemd/system/quiltweb-{bridge,events,webxr}.socket \
@@ -82,7 +82,7 @@ report "the service lets readers give up rights" "$(lockable)"
 
 startable() {
     local p words
-    for p in quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb; do
+    for p in quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb; do
         words=$("$prefix/bin/$p" --version 2>&1) || echo "$p --version: $words"
         words=$("$prefix/bin/$p" --help 2>&1) || echo "$p --help: $words"
         "$prefix/bin/$p" --no-such-option > /dev/null 2>&1

@@ -92,7 +92,7 @@ daemon/media:
 daemon/output: daemon/media
 daemon/engine: daemon/media daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
+daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/render_words.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/farm: daemon/output/options.h
 daemon/tools: daemon/media/movie.h daemon/output daemon/farm/farm.h daemon/wire daemon/server daemon/parts/doctor.h
@@ -104,7 +104,7 @@ END
     cat "$1/tests/layers" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other modules may include, and the files that may include private ones.
-exported='render/render\.h|quilt/(quilt|prints|holograms|profiles|rgbd|chart/reading|proof/(print_file|simulate|study|check))\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader|media/decoder)\.h'
+exported='render/render\.h|quilt/(quilt|prints|holograms|profiles|rgbd|chart/reading|proof/(print_file|simulate|study|check))\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|render/film/film_merge\.h|daemon/(output/(options|content|render_job|completion)|engine/loader|media/decoder)\.h'
 private_allowed='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
 modules='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
@@ -356,7 +356,7 @@ reading_libraries() { # programs
     done
 }
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
-    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltfarm quiltprint quiltsim quiltbench quiltweb)"
+    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltfarm quiltmerge quiltprint quiltsim quiltbench quiltweb)"
 else
     report reading_libraries "the rule does not see what quiltimport needs"
 fi

@@ -6,10 +6,10 @@
 #include "base/param.h"
 #include "base/status.h"
 
-/* The options of all commands; zeroed: none given. */
+/* The options of all commands. Zeroed except task_minutes: none given. */
 typedef struct lf_farm_options {
     const char *engine;      /* plan: a name of lf_farm_engine_name; NULL: the first */
-    double task_minutes;     /* plan: 0 = not given */
+    double task_minutes;     /* plan: negative = not given */
     const char *task_memory; /* plan: NULL = not given */
     int threads;             /* plan: of a task; 0 = LF_FARM_THREADS */
     int slots;               /* plan, submit, resume: tasks at once; 0 = not given */

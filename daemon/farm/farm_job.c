@@ -66,16 +66,18 @@ lf_status lf_farm_read_steps(const char *text, int n, int out[2], lf_error *err)
     return LF_OK;
 }
 
+int lf_farm_step_needed(const lf_farm_job *job, int finish, int task)
+{
+    const int own = job->steps[task].finish;
+    return job->steps[finish].closes && own >= 0 && own != finish ? own : task;
+}
+
 void lf_farm_step_fields(const lf_farm_job *job, int step, int out[2])
 {
     const lf_farm_step *s = &job->steps[step];
-    out[0] = s->fields[0];
-    out[1] = s->fields[1];
-    for (int i = s->tasks[0]; s->fields[0] < 0 && step >= job->n_tasks && i <= s->tasks[1]; i++) {
-        const int *of = job->steps[i].fields;
-        out[0] = i == s->tasks[0] || of[0] < out[0] ? of[0] : out[0];
-        out[1] = of[1] > out[1] ? of[1] : out[1];
-    }
+    const int *fields = s->fields[0] >= 0 ? s->fields : job->fields;
+    out[0] = fields[0];
+    out[1] = fields[1];
 }
 
 char *lf_farm_step_state(const lf_farm_job *job, int step, int field)
@@ -190,6 +192,19 @@ static bool read_step(const json_t *json, int n_tasks, lf_farm_step *out)
            out->memory >= 0;
 }
 
+/* The first finish that names a task gets its states. One that names only tasks of others closes
+ * the job. */
+static void join_tasks(lf_farm_job *job, int finish)
+{
+    lf_farm_step *step = &job->steps[finish];
+    step->closes = true;
+    for (int i = step->tasks[0]; i <= step->tasks[1]; i++)
+        if (job->steps[i].finish < 0) {
+            job->steps[i].finish = finish;
+            step->closes = false;
+        }
+}
+
 static lf_status read_steps(lf_farm_job *job, lf_error *err)
 {
     const json_t *tasks = json_object_get(job->plan, "tasks"),
@@ -210,8 +225,8 @@ static lf_status read_steps(lf_farm_job *job, lf_error *err)
         if (!read_step(json, job->n_tasks, step) || (step->fields[0] >= 0 && !job->field_option) ||
             (!is_task && step->tasks[0] < 0))
             return bad_plan(job->path, "a step is not complete", err);
-        for (int k = step->tasks[0]; !is_task && k <= step->tasks[1]; k++)
-            job->steps[k].finish = i;
+        if (!is_task)
+            join_tasks(job, i);
     }
     return LF_OK;
 }
@@ -234,6 +249,8 @@ static lf_status read_plan(lf_farm_job *job, lf_error *err)
     job->threads = (int)json_integer_value(json_object_get(job->plan, "threads"));
     if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1)
         return bad_plan(job->path, "a key is missing", err);
+    if (!read_range(job->plan, "fields", MOST_STEPS, job->fields))
+        return bad_plan(job->path, "its light fields are not numbers", err);
     if (!are_words(job->command) || (job->join && !are_words(job->join)))
         return bad_plan(job->path, "its command is no list of words", err);
     return read_steps(job, err);
@@ -328,10 +345,27 @@ static char *absolute(const char *path)
     return copy;
 }
 
+/* The rows of a hologram plate are rendered one by one, and its manifest needs them all. */
+static bool add_closing_finish(json_t *plan)
+{
+    const char *kind = json_string_value(json_object_get(plan, "kind"));
+    json_t *finishes = json_object_get(plan, "finishes"), *finish;
+    const int last = (int)json_array_size(json_object_get(plan, "tasks")) - 1;
+    size_t i;
+    if (!kind || strcmp(kind, "hologram") != 0 || last < 1)
+        return true;
+    json_array_foreach(finishes, i,
+                       finish) if (json_is_null(json_object_get(finish, "fields"))) return true;
+    return json_array_append_new(finishes, json_pack("{s:n, s:[i,i], s:i, s:i}", "fields", "tasks",
+                                                     0, last, "cpu_seconds", 1, "memory", 0)) == 0;
+}
+
 lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const char *folder,
                            json_t *plan, lf_error *err)
 {
     lf_farm_job job = {.lock_fd = -1, .path = lf_strdup(path)};
+    if (!add_closing_finish(plan))
+        return bad_plan(path, "it has no list of finishes", err);
     job.json = json_pack("{s:s, s:s, s:s, s:s, s:O}", "quiltd", LF_VERSION, "job", path, "folder",
                          folder, "engine", engine->name, "plan", plan);
     lf_status status = job.path && job.json ? read_plan(&job, err) : lf_farm_no_memory(path, err);

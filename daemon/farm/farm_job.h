@@ -21,10 +21,11 @@
 
 /* A step. Numbers are inclusive; -1: none. */
 typedef struct lf_farm_step {
-    int fields[2];              /* light fields: frames or rows of cameras */
-    int rows[2];                /* of tasks: image rows; such a task makes states only */
-    int tasks[2];               /* of finishes: the tasks that it needs */
-    int finish;                 /* of tasks: the step of the finish that needs it; -1: none */
+    int fields[2]; /* light fields: frames or rows of cameras */
+    int rows[2];   /* of tasks: image rows; such a task makes states only */
+    int tasks[2];  /* of finishes: the tasks that it needs */
+    int finish;    /* of tasks: the step of the first finish that needs it; -1: none */
+    bool closes;   /* of finishes: it needs the finishes of its tasks, and merges nothing */
     double cpu_seconds, memory; /* planned; bytes of the whole process; 0: unknown */
 } lf_farm_step;
 
@@ -39,6 +40,7 @@ typedef struct lf_farm_job {
     const json_t *join;           /* words of the finish, without the program; NULL: as tasks */
     const char *folder;           /* that words of the command are relative to */
     const char *field_option;     /* NULL: no fields */
+    int fields[2];                /* of the job */
     int n_tasks, n_finishes;
     int threads;
     lf_farm_step *steps; /* n_tasks tasks, then n_finishes finishes */
@@ -68,8 +70,10 @@ const char *lf_farm_step_name(const lf_farm_job *job, int step, char buf[LF_FARM
 const char *lf_farm_step_text(const lf_farm_job *job, int step, char buf[LF_FARM_STEP_NAME]);
 /* Reads "K" or "K:L", numbers of n steps from 0; L is cut to the last. LF_E_ARG. */
 LF_NODISCARD lf_status lf_farm_read_steps(const char *text, int n, int out[2], lf_error *err);
-/* The light fields whose states a step has; -1 to -1: one without a number. A finish without fields
- * has those of its tasks. */
+/* The step that a finish needs for one of its tasks: the task, or the finish of the task. */
+int lf_farm_step_needed(const lf_farm_job *job, int finish, int task);
+/* The light fields whose states a step has; -1 to -1: one without a number. A step without fields
+ * has all of the job. */
 void lf_farm_step_fields(const lf_farm_job *job, int step, int out[2]);
 /* The state of a step's light field (-1: the step has no fields); caller frees with lf_free. NULL =
  * out of memory. */

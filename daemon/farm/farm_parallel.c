@@ -16,6 +16,8 @@
 #include "daemon/farm/farm_process.h"
 
 #define PROGRAM "parallel"
+/* Finishes of tasks, then those that close the job. */
+#define FINISH_ROUNDS 2
 #define TELL_SECONDS 10.0
 /* Time for a task to save its state, milliseconds. */
 #define SAVE_MS "60000"
@@ -160,16 +162,16 @@ static lf_status check_complete(const lf_farm_job *job, const lf_farm_batch *bat
     return status;
 }
 
-/* Leaves out finishes whose tasks are not all complete. */
+/* Leaves out finishes that need a step which is not complete. */
 static lf_status keep_ready(const lf_farm_job *job, const lf_farm_batch *batch, bool *ready,
                             lf_error *err)
 {
     lf_farm_result *results = NULL;
     lf_status status = lf_farm_results_read(job, &results, err);
     for (int i = job->n_tasks; i < job->n_tasks + job->n_finishes && status == LF_OK; i++) {
-        ready[i] = batch->wanted[i];
+        ready[i] = batch->wanted[i] && !results[i].complete;
         for (int k = job->steps[i].tasks[0]; k <= job->steps[i].tasks[1]; k++)
-            ready[i] = ready[i] && results[k].complete;
+            ready[i] = ready[i] && results[lf_farm_step_needed(job, i, k)].complete;
     }
     lf_free(results);
     return status;
@@ -195,7 +197,7 @@ static lf_status send_parallel(lf_farm_job *job, const lf_farm_batch *batch, jso
     (void)sent;
     lf_farm_catch_signals();
     lf_status status = run_list(job, batch, 0, job->n_tasks - 1, "tasks", err);
-    if (status == LF_OK && job->n_finishes > 0)
+    for (int round = 0; round < FINISH_ROUNDS && status == LF_OK && job->n_finishes > 0; round++)
         status = run_finishes(job, batch, err);
     if (status == LF_OK)
         status = check_complete(job, batch, err);

@@ -26,9 +26,9 @@ const lf_param lf_farm_params[] = {
      .place = offsetof(lf_farm_options, engine)},
     {.option = "task-minutes",
      .argument = "M",
-     .help = "plan: CPU minutes of a task (20)",
+     .help = "plan: minutes of a task; 0: one light field each (20)",
      .type = LF_PARAM_NUMBER,
-     .low = 0.001,
+     .low = 0,
      .high = 1e6,
      .place = offsetof(lf_farm_options, task_minutes)},
     {.option = "task-memory",
@@ -185,7 +185,7 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
     lf_farm_words_add(&words, "--json");
     lf_farm_words_add(&words, "--threads");
     lf_farm_words_add(&words, "%d", o->threads > 0 ? o->threads : LF_FARM_THREADS);
-    if (o->task_minutes > 0) {
+    if (o->task_minutes >= 0) {
         lf_farm_words_add(&words, "--task-minutes");
         lf_farm_words_add(&words, "%.17g", o->task_minutes);
     }

@@ -228,12 +228,13 @@ static lf_status add_state(const lf_farm_job *job, int step, int field, json_t *
 
 lf_status lf_farm_result_receipt(const lf_farm_job *job, int step, lf_error *err)
 {
-    const lf_farm_step *s = &job->steps[step];
+    int fields[2];
     json_t *files = json_array(),
            *receipt = json_pack("{s:s, s:O?}", "quiltd", LF_VERSION, "files", files);
     lf_status status = files && receipt ? LF_OK : lf_farm_no_memory(job->path, err);
     char name[64];
-    for (int field = s->fields[0]; field <= s->fields[1] && status == LF_OK; field++)
+    lf_farm_step_fields(job, step, fields);
+    for (int field = fields[0]; field <= fields[1] && status == LF_OK; field++)
         status = add_state(job, step, field, files, err);
     if (status == LF_OK)
         status = lf_farm_job_write(job, file_of(job, step, RECEIPT, name), receipt, err);

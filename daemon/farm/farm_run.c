@@ -132,10 +132,11 @@ static lf_status run_task(runner *r, lf_error *err)
 
 /* ------------------------------------------------------------------------------------ finish -- */
 
-static bool holds_field(const lf_farm_step *task, int field)
+static bool holds_field(const lf_farm_job *job, int task, int field)
 {
-    return task->rows[0] >= 0 &&
-           (field < 0 || (task->fields[0] <= field && field <= task->fields[1]));
+    int fields[2];
+    lf_farm_step_fields(job, task, fields);
+    return job->steps[task].rows[0] >= 0 && fields[0] <= field && field <= fields[1];
 }
 
 /* LF_E_STATE: a state is not complete. A machine that was thought to be lost may have replaced a
@@ -191,8 +192,7 @@ static lf_status merge_field(runner *r, int field, lf_error *err)
     char *whole = lf_farm_step_state(r->job, r->step, field);
     lf_farm_words_add(&words, "%s", MERGER);
     for (int i = s->tasks[0]; i <= s->tasks[1] && status == LF_OK; i++) {
-        char *part =
-            holds_field(&r->job->steps[i], field) ? lf_farm_step_state(r->job, i, field) : NULL;
+        char *part = holds_field(r->job, i, field) ? lf_farm_step_state(r->job, i, field) : NULL;
         if (!part)
             continue;
         status = check_part(r, i, part, err);
@@ -214,20 +214,21 @@ static lf_status merge_field(runner *r, int field, lf_error *err)
 
 static bool needs_merge(const lf_farm_job *job, const lf_farm_step *finish)
 {
-    for (int i = finish->tasks[0]; i <= finish->tasks[1]; i++)
+    for (int i = finish->tasks[0]; i <= finish->tasks[1] && !finish->closes; i++)
         if (job->steps[i].rows[0] >= 0)
             return true;
     return false;
 }
 
-/* The first task that a finish waits for; -1: none. */
+/* The first step that a finish waits for; -1: none. */
 static int first_missing(const lf_farm_job *job, int finish)
 {
     const lf_farm_step *s = &job->steps[finish];
     for (int i = s->tasks[0]; i <= s->tasks[1]; i++) {
         lf_farm_result result;
-        if (lf_farm_result_read(job, i, &result, NULL) != LF_OK || !result.complete)
-            return i;
+        const int needed = lf_farm_step_needed(job, finish, i);
+        if (lf_farm_result_read(job, needed, &result, NULL) != LF_OK || !result.complete)
+            return needed;
     }
     return -1;
 }

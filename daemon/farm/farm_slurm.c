@@ -266,10 +266,11 @@ static char *index_list(const lf_farm_job *job, const bool *wanted, int first, i
     return text;
 }
 
-/* Arrays of one submission. */
+/* Jobs of the queue of one submission. */
 typedef struct arrays {
     limits limits;
-    uint64_t *ids; /* per array; 0: it has no wanted task */
+    uint64_t *ids;      /* per array; 0: it has no wanted task */
+    uint64_t *finishes; /* per finish; 0: not sent */
     int n;
 } arrays;
 
@@ -308,7 +309,8 @@ static lf_status send_arrays(const lf_farm_job *job, const lf_farm_batch *batch,
     const int covered = out->limits.array * out->limits.stride;
     out->n = quotient_up(job->n_tasks, covered);
     out->ids = lf_calloc((size_t)out->n, sizeof *out->ids);
-    if (!out->ids)
+    out->finishes = lf_calloc((size_t)job->n_finishes, sizeof *out->finishes);
+    if (!out->ids || !out->finishes)
         return lf_farm_no_memory(job->path, err);
     for (int i = 0; i < out->n && status == LF_OK; i++)
         status = send_array(job, batch, out, i, sent, err);
@@ -317,28 +319,50 @@ static lf_status send_arrays(const lf_farm_job *job, const lf_farm_batch *batch,
 
 /* ---------------------------------------------------------------------------------- finishes -- */
 
-/* Adds --dependency for the sent tasks first to last, if there are any. */
-static void add_dependency(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
-                           int first, int last, lf_farm_words *words)
+/* Prints ":12_3:12_4" for the sent tasks first to last; ":12" for whole arrays. */
+static void print_tasks(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+                        const int tasks[2], FILE *out)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
     const int stride = a->limits.stride, covered = a->limits.array * stride;
-    const bool all = first == 0 && last == job->n_tasks - 1;
-    bool any = false;
-    for (int i = first; i <= last && out; i += all ? covered - i % covered : stride - i % stride) {
+    const bool all = tasks[0] == 0 && tasks[1] == job->n_tasks - 1;
+    for (int i = tasks[0]; i <= tasks[1]; i += all ? covered - i % covered : stride - i % stride) {
         const int array = i / covered, begin = i - i % stride;
         if (a->ids[array] == 0 || (!all && !is_wanted(job, batch->wanted, begin, stride)))
             continue;
         (void)fprintf(out, ":%llu", (unsigned long long)a->ids[array]);
         if (!all)
             (void)fprintf(out, "_%d", (begin - array * covered) / stride);
-        any = true;
     }
+}
+
+/* Prints ":12:13" for the sent finishes that a closing one needs. */
+static void print_finishes(const lf_farm_job *job, const arrays *a, int finish, FILE *out)
+{
+    const lf_farm_step *s = &job->steps[finish];
+    uint64_t before = 0;
+    for (int i = s->tasks[0]; i <= s->tasks[1]; i++) {
+        const int needed = lf_farm_step_needed(job, finish, i);
+        const uint64_t id = needed >= job->n_tasks ? a->finishes[needed - job->n_tasks] : 0;
+        if (id != 0 && id != before)
+            (void)fprintf(out, ":%llu", (unsigned long long)id);
+        before = id;
+    }
+}
+
+/* Adds --dependency for what finishes need, if it is sent. tasks: of all these finishes. */
+static void add_dependency(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+                           int finish, const int tasks[2], lf_farm_words *words)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out && job->steps[finish].closes)
+        print_finishes(job, a, finish, out);
+    else if (out)
+        print_tasks(job, batch, a, tasks, out);
     if (!out || fclose(out) != 0)
         words->failed = true;
-    else if (any) {
+    else if (size > 0) {
         lf_farm_words_add(words, "--dependency=afterok%s", text);
         lf_farm_words_add(words, "--kill-on-invalid-dep=yes");
     }
@@ -348,24 +372,26 @@ static void add_dependency(const lf_farm_job *job, const lf_farm_batch *batch, c
 static lf_status send_finishes(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
                                int first, int last, json_t *sent, lf_error *err)
 {
-    int from = job->n_tasks, to = -1;
+    int tasks[2] = {job->n_tasks, -1};
     lf_farm_words words = {0};
-    uint64_t id;
+    uint64_t id = 0;
     for (int i = first; i <= last; i++) {
         if (!batch->wanted[i])
             continue;
-        from = job->steps[i].tasks[0] < from ? job->steps[i].tasks[0] : from;
-        to = job->steps[i].tasks[1] > to ? job->steps[i].tasks[1] : to;
+        tasks[0] = job->steps[i].tasks[0] < tasks[0] ? job->steps[i].tasks[0] : tasks[0];
+        tasks[1] = job->steps[i].tasks[1] > tasks[1] ? job->steps[i].tasks[1] : tasks[1];
     }
-    if (to < 0)
+    if (tasks[1] < 0)
         return LF_OK;
     add_common(job, "slurm_%j.log", &words);
-    add_dependency(job, batch, a, from, to, &words);
+    add_dependency(job, batch, a, first, tasks, &words);
     ask_for(job, first, last, last - first + 1, &words);
     lf_farm_words_add_list(&words, batch->words);
     lf_status status = add_script(job, false, first - job->n_tasks, last - first + 1, &words, err);
     if (status == LF_OK)
         status = call_sbatch(&words, first, last - first + 1, sent, &id, err);
+    for (int i = first; i <= last; i++)
+        a->finishes[i - job->n_tasks] = id;
     lf_farm_words_finish(&words);
     return status;
 }
@@ -380,9 +406,12 @@ static lf_status send_slurm(lf_farm_job *job, const lf_farm_batch *batch, json_t
     if (status == LF_OK)
         status = send_arrays(job, batch, sent, &a, err);
     for (int i = job->n_tasks, next; i < end && status == LF_OK; i = next) {
-        next = i + a.limits.finish_stride < end ? i + a.limits.finish_stride : end;
+        next = i + 1;
+        while (next < end && next < i + a.limits.finish_stride && !job->steps[next].closes)
+            next++;
         status = send_finishes(job, batch, &a, i, next - 1, sent, err);
     }
+    lf_free(a.finishes);
     lf_free(a.ids);
     queue_name(job, name, sizeof name);
     if (status == LF_OK)

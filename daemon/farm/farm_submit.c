@@ -18,14 +18,16 @@ typedef struct selection {
     int n_tasks, n_finishes, n_given_up;
 } selection;
 
-/* A finish is wanted if it is missing and can be reached: none of its tasks was given up. */
+/* A finish is wanted if it is missing and can be reached: no step that it needs was given up. */
 static bool can_be_reached(const lf_farm_job *job, const lf_farm_result *results,
                            const bool *wanted, int finish)
 {
     const lf_farm_step *s = &job->steps[finish];
-    for (int i = s->tasks[0]; i <= s->tasks[1]; i++)
-        if (!results[i].complete && !wanted[i])
+    for (int i = s->tasks[0]; i <= s->tasks[1]; i++) {
+        const int needed = lf_farm_step_needed(job, finish, i);
+        if (!results[needed].complete && !wanted[needed])
             return false;
+    }
     return true;
 }
 

@@ -17,6 +17,13 @@
 
 typedef struct lf_output_kind lf_output_kind; /* below */
 
+/* What quiltrender renders of a scene for a kind. */
+typedef enum lf_output_rendered {
+    LF_RENDERED_NOTHING, /* the kind is made of something else */
+    LF_RENDERED_VIEWS,
+    LF_RENDERED_VIEW, /* one view */
+} lf_output_rendered;
+
 /* How to interlace views for a panel; zeroed is the default. */
 typedef struct lf_panel_options {
     lf_filter filter;
@@ -103,6 +110,7 @@ struct lf_output_kind {
     const char *const *endings;
     /* quiltrender's option for it, without dashes; NULL: selected by the ending of -o. */
     const char *option;
+    lf_output_rendered rendered;
     bool is_drawn;    /* made from the request alone: no source, no rendering */
     bool is_linear;   /* holds linear light whatever the ending */
     bool has_tiles;   /* reads layout */

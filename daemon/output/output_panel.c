@@ -104,6 +104,7 @@ static const char *const endings[] = {".png", NULL};
 
 const lf_output_kind lf_output_panel = {.name = "panel",
                                         .what = "a panel image",
+                                        .rendered = LF_RENDERED_VIEWS,
                                         .endings = endings,
                                         .option = "panel",
                                         .needs_panel = true,

@@ -175,6 +175,7 @@ const char *const output_print_endings[] = {".tif", ".tiff", ".pdf", NULL};
 
 const lf_output_kind lf_output_print = {.name = "print",
                                         .what = "a print",
+                                        .rendered = LF_RENDERED_VIEWS,
                                         .endings = output_print_endings,
                                         .option = "print",
                                         .asks = "lpi, width and height (mm)",

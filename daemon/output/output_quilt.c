@@ -103,6 +103,7 @@ const char *const output_quilt_endings[] = {".png", ".exr", ".jpg", ".jpeg", NUL
 
 const lf_output_kind lf_output_quilt = {.name = "quilt",
                                         .what = "a quilt",
+                                        .rendered = LF_RENDERED_VIEWS,
                                         .endings = output_quilt_endings,
                                         .has_tiles = true,
                                         .n_files = 1,

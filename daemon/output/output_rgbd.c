@@ -274,6 +274,7 @@ static const char *const endings[] = {".png", NULL};
 
 const lf_output_kind lf_output_rgbd = {.name = "rgbd",
                                        .what = "an image with depth",
+                                       .rendered = LF_RENDERED_VIEWS,
                                        .endings = endings,
                                        .option = "rgbd",
                                        .layers = LAYERS,

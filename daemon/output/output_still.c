@@ -35,6 +35,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 
 const lf_output_kind lf_output_still = {.name = "still",
                                         .what = "an image of one view",
+                                        .rendered = LF_RENDERED_VIEW,
                                         .endings = output_quilt_endings,
                                         .option = "still",
                                         .n_files = 1,

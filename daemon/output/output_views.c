@@ -111,6 +111,7 @@ static const char *const endings[] = {"/", NULL};
 
 const lf_output_kind lf_output_views = {.name = "views",
                                         .what = "a folder of views",
+                                        .rendered = LF_RENDERED_VIEWS,
                                         .endings = endings,
                                         .is_linear = true,
                                         .file_name = exr_name,
@@ -119,6 +120,7 @@ const lf_output_kind lf_output_views = {.name = "views",
 
 const lf_output_kind lf_output_pictures = {.name = "pictures",
                                            .what = "a folder of 8-bit views",
+                                           .rendered = LF_RENDERED_VIEWS,
                                            .endings = endings,
                                            .option = "png",
                                            .file_name = png_name,

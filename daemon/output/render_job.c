@@ -37,7 +37,7 @@ static double fraction_of(const run *r, double passes)
     return r->target_fraction;
 }
 
-static void report(const run *r)
+static void report(const run *r, bool whole)
 {
     double passes = (double)atomic_load_explicit(&r->row_passes, memory_order_relaxed) / r->n_rows;
     lf_render_progress progress = {
@@ -45,6 +45,7 @@ static void report(const run *r)
         .seconds = lf_time_now() - r->start,
         .passes = passes,
         .n_views = r->n_views,
+        .whole = whole,
     };
     if (r->progress && passes >= r->before)
         r->progress(r->context, &progress);
@@ -55,7 +56,7 @@ static void row_done(void *context, int passes, int worker)
     run *r = context;
     atomic_fetch_add_explicit(&r->row_passes, passes, memory_order_relaxed);
     if (worker == 0) /* the thread that called lf_render_run */
-        report(r);
+        report(r, false);
 }
 
 /* lf_renderer_passes divides any number of passes into pairs of whole cycles, except for the rest.
@@ -74,7 +75,7 @@ static lf_status add(run *r, int64_t n_passes, bool split)
         if (status == LF_OK)
             r->passes += now;
         n_passes -= now;
-        report(r);
+        report(r, status == LF_OK);
     }
     return status;
 }
@@ -145,7 +146,7 @@ static lf_status run_target(run *r, double target)
         reached = bound >= 0 && bound <= target;
         /* the error falls as 1 / passes, so this is the finished share of the passes needed */
         r->target_fraction = estimate > 0 ? target / estimate : 0;
-        report(r);
+        report(r, true);
     }
     return status;
 }
@@ -195,7 +196,7 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part, const lf_
     r.film = film;
     if (before)
         take_up(&r, before);
-    report(&r);
+    report(&r, true);
     if (budget->passes > 0) {
         status = run_passes(&r);
     } else if (budget->seconds > 0) {
@@ -206,7 +207,7 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part, const lf_
         assert(budget->target_error > 0 || budget->target_denoised_error > 0);
         status = run_target(&r, fmax(budget->target_error, budget->target_denoised_error));
     }
-    if (status == LF_E_CANCELLED)
+    if (status == LF_E_CANCELLED && !lf_renderer_spreads(renderer))
         r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.n_rows;
     *out_times =
         (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start, 0};

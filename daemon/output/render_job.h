@@ -32,6 +32,7 @@ typedef struct lf_render_progress {
     double seconds;  /* wall time so far */
     double passes;   /* so far */
     int n_views;
+    bool whole; /* between two calls of the renderer: no pass is under way */
 } lf_render_progress;
 
 typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *progress);

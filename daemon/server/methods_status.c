@@ -18,10 +18,11 @@ static json_t *folders_json(const lf_server *server)
 void lf_method_hello(lf_call *call)
 {
     lf_reply(call,
-             json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:b}", "name", "quiltd", "version",
+             json_pack("{s:s, s:s, s:i, s:o, s:o, s:o, s:o, s:b}", "name", "quiltd", "version",
                        LF_VERSION, "protocol", LF_RPC_PROTOCOL, "folders",
-                       folders_json(call->server), "methods", lf_rights_methods_json(call->client),
-                       "events", lf_rights_events_json(call->client), "limited",
+                       folders_json(call->server), "farms", lf_server_farms_json(call->server),
+                       "methods", lf_rights_methods_json(call->client), "events",
+                       lf_rights_events_json(call->client), "limited",
                        lf_rights_limited(call->client)));
 }
 

@@ -45,6 +45,14 @@
     KEY("denoise", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                            \
         "write the denoised image; auto: as on the panel, but EXR files unfiltered") ","           \
     FORMER("reconstruct", ENUM("\"auto\",\"off\",\"on\""), "denoise") ","                          \
+    KEY("farm", ENUM("\"slurm\",\"parallel\",\"list\""),                                          \
+        "farm that renders the scene anew, see Farms; quiltd needs --farm") ","                    \
+    KEY("job", STRING,                                                                             \
+        "farm: new folder below --export-dir, for scene, tasks and states of the job") ","         \
+    KEY("spp", INTEGER("samples per pixel") RANGE("1", "1000000000"),                              \
+        "farm: base paths per view pixel (as quiltrender)") ","                                    \
+    KEY("passes", INTEGER("passes") RANGE("1", "1000000000000"),                                   \
+        "farm: base paths per pixel of one view (as quiltrender)") ","                             \
     KEY("fds", "\"type\":\"integer\"" RANGE("0", "253") DEFAULT("0"),                              \
         "number of descriptors (SCM_RIGHTS) that come with the call; quiltd writes to them "       \
         "instead of opening file")

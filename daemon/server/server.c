@@ -52,6 +52,7 @@ static void destroy(lf_server *server)
     lf_free(server->gallery.folder.path);
     lf_errands_destroy(server->gallery.checks);
     lf_jobs_destroy(server->jobs);
+    lf_farmed_destroy(server->gallery.farmed);
     lf_previews_destroy(server->gallery.previews);
     lf_library_destroy(server->gallery.library);
     lf_saver_destroy(server->saver);
@@ -184,6 +185,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_playlist(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
+    status = status == LF_OK ? lf_server_make_farmed(server) : status;
     status = status == LF_OK ? lf_server_make_previews(server) : status;
     status = status == LF_OK ? lf_server_make_library(server) : status;
     status = status == LF_OK ? lf_server_make_log(server) : status;
@@ -299,6 +301,7 @@ int lf_server_run(const lf_server_config *config)
     int code = LF_EXIT_FAILED;
     if (status == LF_OK) {
         lf_server_start_web(server);
+        lf_server_take_up_farmed(server);
         code = lf_turns_run(server->event, &server->life.longest_turn);
         code = code < 0 ? LF_EXIT_FAILED : code;
         server->life.exit_code = code;

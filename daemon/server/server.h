@@ -5,6 +5,7 @@
 #include "base/paths.h"
 #include "daemon/engine/engine.h"
 #include "daemon/output/options.h"
+#include "daemon/parts/farmed.h"
 #include "daemon/parts/play_list.h"
 #include "daemon/server/button_actions.h"
 
@@ -25,6 +26,7 @@ typedef struct lf_server_config {
     const char *calibration;     /* file; NULL = the device's own */
     const char *state_dir;       /* NULL = none */
     const char *export_dir;      /* NULL = none */
+    unsigned farms;              /* bits of lf_farmed_engine_at: those that exports may use */
     const char *allow[LF_MAX_ROOTS];
     int n_allow;
     bool watch;

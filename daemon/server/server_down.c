@@ -88,6 +88,7 @@ static void begin_way_down(lf_server *server)
     lf_playlist_stop(server->gallery.playlist);
     lf_saver_stop(server->saver);
     lf_jobs_end(server->jobs);
+    lf_farmed_leave(server->gallery.farmed);
     lf_previews_end(server->gallery.previews);
     lf_library_end(server->gallery.library);
     lf_errands_end(server->gallery.checks);
@@ -101,13 +102,15 @@ static void begin_way_down(lf_server *server)
     }
 }
 
-/* True if exports, previews, library calls or a save are in progress. */
+/* True if exports, threads of farm jobs, previews, library calls or a save are in progress. */
 static bool has_jobs(const lf_server *server)
 {
     lf_job_told job;
+    lf_farmed_told farmed;
     return lf_saver_is_busy(server->saver) || lf_previews_busy(server->gallery.previews) ||
            lf_library_busy(server->gallery.library) ||
-           lf_errands_count(server->gallery.checks) > 0 || lf_jobs_at(server->jobs, 0, &job);
+           lf_errands_count(server->gallery.checks) > 0 || lf_jobs_at(server->jobs, 0, &job) ||
+           lf_farmed_at(server->gallery.farmed, 0, &farmed);
 }
 
 bool lf_server_is_stopping(const lf_server *server)

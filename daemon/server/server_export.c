@@ -249,6 +249,8 @@ static void release_client(lf_server *server, const lf_asker *asker)
 static lf_status take_export(lf_call *call, lf_export *out, lf_error *err)
 {
     lf_status status = take_words(out, call, err);
+    if (status == LF_OK && json_object_get(call->params, "farm"))
+        return LF_OK; /* it waits for nothing, and outlives its client */
     if (status == LF_OK)
         status = lf_jobs_check_wait(call->server->jobs, out, err);
     return status == LF_OK ? hold_client(out, call->client, err) : status;
@@ -259,10 +261,18 @@ void lf_server_export(lf_call *call)
     lf_server *server = call->server;
     lf_error err;
     lf_export what = {.asker.client = lf_client_serial(call->client), .folder_fd = -1};
+    const bool is_farmed = json_object_get(call->params, "farm");
     lf_status status =
         lf_jobs_check_room(server->jobs, lf_saver_is_busy(server->saver) ? 1 : 0, &err);
     if (status == LF_OK)
+        status = lf_server_farm_check(server, call->params, &err);
+    if (status == LF_OK)
         status = take_export(call, &what, &err);
+    if (status == LF_OK && is_farmed) {
+        lf_server_farm(call, &what);
+        lf_export_finish(&what);
+        return;
+    }
     if (status == LF_OK)
         status = lf_jobs_add(server->jobs, server->n_jobs + 1, &what, &err);
     if (status != LF_OK) {
@@ -307,18 +317,13 @@ json_t *lf_server_jobs_json(const lf_server *server)
     lf_job_told job;
     for (int i = 0; lf_jobs_at(server->jobs, i, &job); i++)
         json_array_append_new(list, job_json(&job));
+    lf_server_farm_json(server, list);
     return list;
 }
 
-/* The client that asked gets reports without subscribing. */
 static void on_told(void *context, const lf_job_told *job)
 {
-    lf_server *server = context;
-    json_t *params = job_json(job);
-    lf_client *client = lf_clients_find(server->clients, job->asker->client);
-    if (client && (*lf_client_flags(client) & LF_EVENT_EXPORT) == 0)
-        lf_client_send(client, lf_rpc_notification("export", json_incref(params)));
-    lf_notify(server->clients, LF_EVENT_EXPORT, "export", params);
+    lf_server_tell_export(context, job->asker->client, job_json(job));
 }
 
 static void on_ended(void *context, const lf_asker *asker)

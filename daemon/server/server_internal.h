@@ -15,6 +15,7 @@
  *   server_signals.c  signals, timers.
  *   server_parts.c    playback, saving, watching, waits, loading, quiltweb (daemon/parts).
  *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
+ *   server_farm.c     exports that a farm renders (daemon/parts/farmed.h): the same.
  *   server_preview.c  frame.get (daemon/parts/previews.h).
  *   server_playlist.c the slideshow (daemon/parts/play_list.h): its methods, loads, notification.
  *   server_library.c  library.list, library.thumbnail (daemon/parts/library.h).
@@ -27,6 +28,7 @@
 
 #include "daemon/engine/engine.h"
 #include "daemon/engine/loader.h"
+#include "daemon/parts/farmed.h"
 #include "daemon/parts/jobs.h"
 #include "daemon/parts/library.h"
 #include "daemon/parts/loading.h"
@@ -87,8 +89,10 @@ typedef struct lf_played_folder {
     bool more;  /* it has more files than the slideshow has entries */
 } lf_played_folder;
 
-/* Images and files for clients: server_preview.c, server_library.c, server_playlist.c. */
+/* Images and files for clients: server_preview.c, server_library.c, server_playlist.c,
+ * server_farm.c. */
 typedef struct lf_gallery {
+    lf_farmed *farmed;
     lf_previews *previews;
     lf_library *library;
     lf_playlist *playlist;
@@ -289,8 +293,28 @@ lf_load *lf_server_frame_load(int frame);
 LF_NODISCARD lf_status lf_server_make_jobs(lf_server *server);
 /* Starts an export; answers the call. */
 void lf_server_export(lf_call *call);
-/* The jobs, as in `status`. */
+/* The jobs, as in `status`; those of farms are the last. */
 json_t *lf_server_jobs_json(const lf_server *server);
+
+/* ----------------------------------------------------------------------------- server_farm.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_farmed(lf_server *server);
+/* Follows the farm's jobs of an earlier run again. To be called before the loop. */
+void lf_server_take_up_farmed(lf_server *server);
+/* Checks the parameters of an export that are about farms: whether they fit each other, and whether
+ * the farm is allowed. LF_E_ARG, LF_E_STATE. */
+LF_NODISCARD lf_status lf_server_farm_check(const lf_server *server, const json_t *params,
+                                            lf_error *err);
+/* Starts an export on a farm; answers the call. what stays the caller's. */
+void lf_server_farm(lf_call *call, const lf_export *what);
+/* Appends the farm's jobs, as in `status`. */
+void lf_server_farm_json(const lf_server *server, json_t *list);
+/* The farms that may be used (--farm). */
+json_t *lf_server_farms_json(const lf_server *server);
+/* Sends a notification `export` to subscribers and to the client that asked, who gets it without
+ * subscribing. Takes params. */
+void lf_server_tell_export(lf_server *server, uint64_t asker, json_t *params);
 
 /* -------------------------------------------------------------------------- server_preview.c -- */
 

@@ -30,6 +30,10 @@ LF_NODISCARD lf_status lf_ctl_next(lf_ctl *ctl, json_t **out_message, lf_error *
  * progress if stderr is a terminal. params: of `export`, with kind and file; ownership is taken. */
 LF_NODISCARD lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result,
                                      lf_error *err);
+/* Exports on a farm, which writes by name: returns once the farm has the job, which then goes on
+ * without us. params as above. */
+LF_NODISCARD lf_status lf_ctl_export_farmed(lf_ctl *ctl, json_t *params, json_t **out_result,
+                                            lf_error *err);
 /* Calls frame.get or library.thumbnail with a file, which is opened here and published once it is
  * written. Takes ownership of params. LF_E_EXISTS: the file exists. */
 LF_NODISCARD lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file,

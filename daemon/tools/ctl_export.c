@@ -105,6 +105,19 @@ static void show_progress(const json_t *params)
                 100 * json_number_value(json_object_get(params, "progress")));
 }
 
+/* Judges the state of a job that has ended; "running" and "done" are no errors. */
+static lf_status judge(const json_t *params, lf_error *err)
+{
+    const char *state = json_string_value(json_object_get(params, "state"));
+    const char *text =
+        json_string_value(json_object_get(json_object_get(params, "error"), "message"));
+    if (strcmp(state, "failed") == 0)
+        return lf_error_set(err, LF_E_IO, "", "%s", text ? text : "the export failed");
+    return strcmp(state, "cancelled") == 0
+               ? lf_error_set(err, LF_E_CANCELLED, "export", "was cancelled")
+               : LF_OK;
+}
+
 /* Waits for the end of the job. What its profiles gave, and their warnings, go to the result. */
 static lf_status follow(lf_ctl *ctl, json_int_t job, json_t *result, lf_error *err)
 {
@@ -121,13 +134,7 @@ static lf_status follow(lf_ctl *ctl, json_int_t job, json_t *result, lf_error *e
         }
         show_progress(params);
         bool running = strcmp(state, "running") == 0;
-        if (strcmp(state, "failed") == 0) {
-            const char *text =
-                json_string_value(json_object_get(json_object_get(params, "error"), "message"));
-            status = lf_error_set(err, LF_E_IO, "", "%s", text ? text : "the export failed");
-        } else if (strcmp(state, "cancelled") == 0) {
-            status = lf_error_set(err, LF_E_CANCELLED, "export", "was cancelled");
-        }
+        status = judge(params, err);
         json_array_extend(json_object_get(result, "warnings"), json_object_get(params, "warnings"));
         if (json_object_get(params, "used"))
             json_object_set(result, "used", json_object_get(params, "used"));
@@ -190,6 +197,40 @@ end:
     lf_free(path);
     json_decref(result);
     json_decref(params);
+    return status;
+}
+
+/* True until quiltfarm knows the job. */
+static bool is_beginning(const json_t *params)
+{
+    const char *state = json_string_value(json_object_get(params, "state"));
+    const char *farm = json_string_value(json_object_get(json_object_get(params, "farm"), "state"));
+    return strcmp(state, "running") == 0 && farm &&
+           (strcmp(farm, "planning") == 0 || strcmp(farm, "submitting") == 0);
+}
+
+lf_status lf_ctl_export_farmed(lf_ctl *ctl, json_t *params, json_t **out_result, lf_error *err)
+{
+    json_t *result = NULL;
+    lf_status status = lf_ctl_call(ctl, "export", params, NULL, 0, &result, NULL, err);
+    const json_int_t job = json_integer_value(json_object_get(result, "job"));
+    for (bool begins = true; status == LF_OK && begins;) {
+        json_t *message = NULL;
+        status = lf_ctl_next(ctl, &message, err);
+        const json_t *told = json_object_get(message, "params");
+        if (json_is_string(json_object_get(told, "state")) &&
+            json_integer_value(json_object_get(told, "job")) == job) {
+            status = judge(told, err);
+            begins = is_beginning(told);
+            if (json_object_get(told, "farm"))
+                json_object_set(result, "farm", json_object_get(told, "farm"));
+        }
+        json_decref(message);
+    }
+    if (status == LF_OK)
+        *out_result = result;
+    else
+        json_decref(result);
     return status;
 }
 

@@ -187,21 +187,40 @@ static void print_loading(const json_t *status, FILE *out)
         print_row(out, "loading", "%s", text(load, "file"));
 }
 
+static void print_farm(const json_t *job, const char *more, FILE *out)
+{
+    const json_t *farm = json_object_get(job, "farm"), *tasks = json_object_get(farm, "tasks");
+    char left[LF_CTL_TIME + 16] = "", seconds[LF_CTL_TIME];
+    if (number(farm, "seconds_left") > 0)
+        snprintf(left, sizeof left, ", about %s left",
+                 lf_ctl_time(number(farm, "seconds_left"), seconds));
+    print_row(out, "farm", "%d: %s %s, %s %s, %d of %d tasks%s%s", integer(job, "job"),
+              text(job, "kind"), text(job, "file"), text(farm, "engine"), text(farm, "state"),
+              integer(tasks, "complete"), integer(tasks, "total"), left, more);
+}
+
+static void print_job(const json_t *jobs, FILE *out)
+{
+    const json_t *job = json_array_get(jobs, 0);
+    char more[48] = "";
+    if (json_array_size(jobs) > 1)
+        snprintf(more, sizeof more, "; %zu more", json_array_size(jobs) - 1);
+    if (json_object_get(job, "farm"))
+        print_farm(job, more, out);
+    else if (job)
+        print_row(out, "export", "%d: %s %s, %s, %.0f %%%s", integer(job, "job"), text(job, "kind"),
+                  text(job, "file"), text(job, "state"), 100 * number(job, "progress"), more);
+}
+
 static void print_progress(const json_t *status, FILE *out)
 {
-    json_t *jobs = json_object_get(status, "jobs"), *job = json_array_get(jobs, 0);
-    char more[48] = "";
     fprintf(out, "Progress\n");
     print_row(out, "state", "%s, %s", text(status, "state"),
               strcmp(text(status, "denoise"), "on") == 0 ? "denoised" : "unfiltered");
     if (json_is_string(json_object_get(status, "scene")) && !is_true(status, "is_quilt"))
         print_work(status, out);
     print_loading(status, out);
-    if (json_array_size(jobs) > 1)
-        snprintf(more, sizeof more, "; %zu more", json_array_size(jobs) - 1);
-    if (job)
-        print_row(out, "export", "%d: %s %s, %s, %.0f %%%s", integer(job, "job"), text(job, "kind"),
-                  text(job, "file"), text(job, "state"), 100 * number(job, "progress"), more);
+    print_job(json_object_get(status, "jobs"), out);
 }
 
 /* ------------------------------------------------------------------------------------- panel -- */
@@ -247,8 +266,12 @@ static void add_problem(problems *list, const char *name, const char *words)
 static void add_problems(const json_t *status, problems *list)
 {
     size_t i;
-    json_t *warning;
+    json_t *warning, *job;
     add_problem(list, "error", text(json_object_get(status, "error"), "message"));
+    json_array_foreach(json_object_get(status, "jobs"), i, job)
+    {
+        add_problem(list, "farm", text(json_object_get(job, "farm"), "problem"));
+    }
     add_problem(list, "video", text(json_object_get(status, "video"), "problem"));
     add_problem(list, "panel", text(json_object_get(status, "device"), "problem"));
     json_array_foreach(json_object_get(status, "warnings"), i, warning)

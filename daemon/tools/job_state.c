@@ -106,7 +106,7 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
                      const json_t *of, const char *key)
 {
     char a[64], b[64];
-    lf_list_add(words, size, "%s (%s, now %s)", what, said(there, key, a, sizeof a),
+    lf_list_add(words, size, "%s (%s, not %s)", what, said(there, key, a, sizeof a),
                 said(of, key, b, sizeof b));
 }
 
@@ -191,7 +191,14 @@ lf_status lf_job_state_write(const char *path, const json_t *of, const lf_render
 
 static lf_status damaged(const char *path, const char *what, lf_error *err)
 {
-    return lf_error_set(err, LF_E_FORMAT, path, "is damaged (%s)" REMEDY, what);
+    return lf_error_set(err, LF_E_FORMAT, path, "is damaged (%s)", what);
+}
+
+/* An error of lf_job_state_open with what to do about it. */
+static lf_status with_remedy(const lf_error *why, lf_error *err)
+{
+    const bool bad = why->status == LF_E_FORMAT || why->status == LF_E_STATE;
+    return lf_error_set(err, why->status, why->where, "%s%s", why->what, bad ? REMEDY : "");
 }
 
 static lf_status read_all(int fd, const char *path, void *data, size_t n, lf_error *err)
@@ -262,12 +269,11 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
     if (status != LF_OK)
         return status;
     if (memcmp(h.magic, magic, sizeof magic) != 0)
-        return lf_error_set(err, LF_E_FORMAT, path,
-                            "exists and is not the state of a job; pass another --state FILE");
+        return lf_error_set(err, LF_E_FORMAT, path, "is not the state of a job");
     if (le32toh(h.version) != VERSION)
         return lf_error_set(err, LF_E_STATE, path,
                             "is a state of version %" PRIu32 ", but this program reads version "
-                            "%d" REMEDY,
+                            "%d",
                             le32toh(h.version), VERSION);
     const uint32_t n = le32toh(h.n);
     if (n > MOST_TEXT)
@@ -304,16 +310,12 @@ lf_status lf_job_state_open(const char *path, int *out_fd, uint64_t *out_size, j
     return status;
 }
 
-/* Restores the film; errors name this file. */
-static lf_status restore_film(int fd, const char *path, lf_renderer *renderer, lf_error *err)
+/* An error of a film, which names this file. */
+static lf_status of_film(const char *path, const lf_error *why, lf_error *err)
 {
-    lf_error why = {0};
-    const lf_status status = lf_renderer_restore(renderer, fd, &why);
-    if (status == LF_OK)
-        return LF_OK;
-    if (status == LF_E_FORMAT)
-        return damaged(path, why.what, err);
-    return lf_error_set(err, status, path, "%s%s", why.what, status == LF_E_STATE ? REMEDY : "");
+    const bool bad = why->status == LF_E_FORMAT;
+    return lf_error_set(err, why->status, path, "%s%s%s%s", bad ? "is damaged (" : "", why->what,
+                        bad ? ")" : "", bad || why->status == LF_E_STATE ? REMEDY : "");
 }
 
 /* renderer NULL: only the head. */
@@ -323,15 +325,16 @@ static lf_status restore(const char *path, const json_t *of, lf_renderer *render
     json_t *there = NULL;
     char words[384];
     int fd = -1;
-    lf_status status = lf_job_state_open(path, &fd, NULL, &there, err);
+    lf_error why = {0};
+    lf_status status = lf_job_state_open(path, &fd, NULL, &there, &why);
     if (status != LF_OK)
-        return status;
+        return with_remedy(&why, err);
     lf_job_state_differences(there, of, words, sizeof words);
     if (words[0] != '\0')
         status = lf_error_set(err, LF_E_STATE, path,
                               "is the state of another job, which differs in %s" REMEDY, words);
-    if (status == LF_OK && renderer)
-        status = restore_film(fd, path, renderer, err);
+    if (status == LF_OK && renderer && lf_renderer_restore(renderer, fd, &why) != LF_OK)
+        status = of_film(path, &why, err);
     if (status == LF_OK) {
         (void)is_progress(there, out_progress);
         out_progress->complete &= !differs(there, of, "budget");
@@ -360,15 +363,14 @@ lf_status lf_job_state_info(const char *path, json_t **out, lf_error *err)
     int film_rows = 0;
     lf_error why = {0};
     int fd = -1;
-    lf_status status = lf_job_state_open(path, &fd, &size, &there, err);
+    lf_status status = lf_job_state_open(path, &fd, &size, &there, &why);
     if (status != LF_OK)
-        return status;
+        return with_remedy(&why, err);
     status = lf_state_rows(fd, &film_rows, &why);
     close(fd);
     if (status != LF_OK) {
         json_decref(there);
-        return status == LF_E_FORMAT ? damaged(path, why.what, err)
-                                     : lf_error_set(err, status, path, "%s", why.what);
+        return of_film(path, &why, err);
     }
     json_object_set_new(there, "film_rows", json_integer(film_rows));
     json_object_set_new(there, "bytes", json_integer((json_int_t)size));

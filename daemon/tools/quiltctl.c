@@ -196,12 +196,18 @@ static bool is_detached(const json_t *params)
     return json_is_true(json_object_get(params, "detach"));
 }
 
+static bool is_farmed(const json_t *params)
+{
+    return json_object_get(params, "farm");
+}
+
 /* Also those of the entries of playlist.set. */
 static void make_all_absolute(json_t *params)
 {
     size_t i;
     json_t *entry;
-    if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
+    if (!is_detached(params) &&
+        !is_farmed(params)) /* otherwise relative to the daemon's --export-dir */
         make_absolute(params, "file");
     make_absolute(params, "icc");
     make_profile_absolute(params, "lens");
@@ -290,6 +296,8 @@ static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json
         return lf_ctl_show_quilt(ctl, a->file, params, out_result, err);
     if (a->file)
         return lf_ctl_image(ctl, a->method, a->file, params, out_result, err);
+    if (strcmp(a->method, "export") == 0 && is_farmed(params))
+        return lf_ctl_export_farmed(ctl, params, out_result, err);
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
     /* older daemons accept none */

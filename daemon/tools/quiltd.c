@@ -17,6 +17,7 @@ enum {
     OPTION_STATE,
     OPTION_ALLOW_PATH,
     OPTION_EXPORT_DIR,
+    OPTION_FARM,
     OPTION_PLAYLIST,
     OPTION_SECONDS,
     OPTION_CROSSFADE,
@@ -32,6 +33,7 @@ static const struct option table[] = {
     {"state", required_argument, NULL, OPTION_STATE},
     {"allow-path", required_argument, NULL, OPTION_ALLOW_PATH},
     {"export-dir", required_argument, NULL, OPTION_EXPORT_DIR},
+    {"farm", required_argument, NULL, OPTION_FARM},
     {"playlist", required_argument, NULL, OPTION_PLAYLIST},
     {"seconds", required_argument, NULL, OPTION_SECONDS},
     {"crossfade", required_argument, NULL, OPTION_CROSSFADE},
@@ -42,7 +44,8 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const lf_options_words words[] = {{"device", lf_device_kind_at}, {0}};
+static const lf_options_words words[] = {
+    {"device", lf_device_kind_at}, {"farm", lf_farmed_engine_at}, {0}};
 
 static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER
                              " " LF_OPTIONS_IMPORT " exposure guides target-error";
@@ -76,6 +79,7 @@ static void print_help(void)
         "  --state DIR            keep rendering states in DIR across restarts\n"
         "  --allow-path DIR       let clients read files below DIR (repeatable)\n"
         "  --export-dir DIR       let clients write files below DIR\n"
+        "  --farm LIST            let clients render on farms: slurm, parallel, list (none)\n"
         "  --buttons LIST         actions of the panel's buttons: none, next, previous, pause "
         "or reset\n"
         "                         (square=pause,left=previous,right=next,circle=reset)\n"
@@ -102,6 +106,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_EXPORT_DIR:
         config->export_dir = text;
         return LF_OK;
+    case OPTION_FARM:
+        return lf_farmed_engines(text, &config->farms, err);
     case OPTION_PLAYLIST:
         config->playlist.folder = text;
         return LF_OK;
@@ -204,6 +210,10 @@ int main(int argc, char *argv[])
     if (done)
         return LF_EXIT_OK;
     lf_options_limit_import(&config.options);
+    if (config.farms != 0 && !config.export_dir) {
+        (void)lf_error_set(&err, LF_E_ARG, "--farm", "needs --export-dir DIR for jobs and outputs");
+        return lf_usage_error(PROGRAM, &err);
+    }
     if (check_tiles(&config.options, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     lf_codes codes;

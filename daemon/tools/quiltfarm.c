@@ -56,6 +56,16 @@ static const char *operand_at(int index)
     return index < N_COMMANDS ? commands[index].name : NULL;
 }
 
+/* JOB is a folder. */
+static bool follower_at(int operand, int index, char *word, size_t size)
+{
+    (void)operand;
+    (void)index;
+    (void)word;
+    (void)size;
+    return false;
+}
+
 static lf_status unknown_command(const char *word, lf_error *err)
 {
     const char *names[N_COMMANDS + 1] = {NULL}, *meant;
@@ -96,7 +106,8 @@ static lf_status read_arguments(int argc, char *argv[], lf_farm_options *options
                                     .letters = ":",
                                     .parts = parts,
                                     .print_help = print_help,
-                                    .operand_at = operand_at};
+                                    .operand_at = operand_at,
+                                    .follower_at = follower_at};
     int n = 0;
     while (n < argc && strcmp(argv[n], "--") != 0)
         n++;
@@ -112,7 +123,7 @@ static lf_status read_arguments(int argc, char *argv[], lf_farm_options *options
 
 int main(int argc, char *argv[])
 {
-    lf_farm_options options = {0};
+    lf_farm_options options = {.task_minutes = -1};
     lf_farm_command command = {.options = &options};
     const struct command *chosen = NULL;
     lf_error err = {0};

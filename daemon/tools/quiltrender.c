@@ -159,9 +159,12 @@ static int print_state(const char *path)
 
 static void catch_signals(void)
 {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
-    sigaction(SIGINT, &action, NULL);
+    /* A second Ctrl-C ends at once. Farms may send SIGTERM twice, to a group and by a script; a job
+     * that is saving its state must survive that. */
+    struct sigaction action = {.sa_handler = on_signal};
     sigaction(SIGTERM, &action, NULL);
+    action.sa_flags = (int)SA_RESETHAND;
+    sigaction(SIGINT, &action, NULL);
     /* exceeding a file size limit becomes an error like a full disk */
     action = (struct sigaction){.sa_handler = SIG_IGN};
     sigaction(SIGXFSZ, &action, NULL);

@@ -68,81 +68,11 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
                                               " exposure panel png still quality target-error "
                                               "target-denoised-error target-shown-error aov"
                                               " fit guides";
-/* depth-inversion is an option of --rgbd, too, which has it in its table. */
-static const char standing[] =
-    "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y";
 static const char of_depth[] = "chroma-depth depthiness depth-cutoff";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
     "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
-
-static void print_help(void)
-{
-    printf("Usage: quiltrender SCENE -o OUT [options]\n"
-           "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
-           "       quiltrender --read-chart PHOTO.jpg [--chart-file CHART.json] [-o RESULT.json]\n"
-           "       quiltrender PRINT.tif --simulate -o OUT [options]\n"
-           "       quiltrender --state-info FILE\n"
-           "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
-           "folder of views.\n"
-           "SCENE may also be a mesh or a volume (.glb, .obj, .vdb ...), which quiltrender frames "
-           "and lights,\n"
-           "or a finished quilt image or folder of views, which it does not render again.\n\n"
-           "The ending of OUT chooses the output: .png, .exr or .jpg a quilt, named "
-           "..._qsCxRaASPECT, or one view, as named;\n"
-           ".tif a print; .mp4 a video; .gif a loop; a path ending in / a folder of views.\n\n"
-           "What to render:\n");
-    lf_param_print_help(lf_option_params,
-                        LF_OPTIONS_VIEWS " fit exposure panel png still quality aov guides");
-    lf_param_print_help(lf_panel_params, NULL);
-    lf_param_print_help(lf_response_params, NULL);
-    lf_param_print_help(lf_print_params, NULL);
-    lf_param_print_help(lf_profile_params, NULL);
-    lf_param_print_help(lf_check_params, NULL);
-    lf_param_print_help(lf_rgbd_params, NULL);
-    lf_param_print_help(lf_hologram_params, NULL);
-    lf_param_print_help(lf_alone_params, NULL);
-    lf_param_print_help(lf_photo_params, NULL);
-    lf_param_print_help(lf_picture_params, NULL);
-    lf_param_print_help(lf_standing_params, standing);
-    printf("\n"
-           "How long to render (one of these; default --passes %d, or --spp %d without "
-           "denoising):\n"
-           "  --passes N             render N base paths per pixel of one view\n"
-           "  --spp N                render N base paths per view pixel\n"
-           "  --time SECONDS         render as many pairs of passes as fit into SECONDS, at "
-           "least one\n",
-           LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error target-denoised-error");
-    printf("\nA finished print, seen through its sheet (with --print and the options after it):\n");
-    lf_param_print_help(lf_simulate_params, NULL);
-    printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
-    lf_param_print_help(lf_frames_params, NULL);
-    lf_param_print_help(lf_video_params, NULL);
-    printf("\nHow to render:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
-    lf_param_print_help(lf_integrator_params(), NULL);
-    lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
-    printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
-           "interrupted)\n");
-    lf_param_print_help(lf_state_params, NULL);
-    printf("  --state-info FILE      print the contents of a state file as JSON\n"
-           "  --read-chart PHOTO     read pitch, phase and skew from a photo of a chart under its "
-           "sheet\n"
-           "  --chart-file FILE      manifest of this chart (chart.json in the photo's folder)\n"
-           "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
-           "  --files FILE.json      write the names, sizes and SHA-256 of all written files as "
-           "JSON\n"
-           "  --plan                 print estimated costs and one command per task; render "
-           "nothing\n"
-           "  --json                 print the plan as one JSON object\n"
-           "  --task-minutes M       divide the plan into tasks of about M minutes; 0: one light "
-           "field per task (%d)\n"
-           "  --task-memory SIZE     divide the plan into tasks of at most SIZE, such as 2G (no "
-           "limit)\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS,
-           LF_PLAN_MINUTES);
-}
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
 {
@@ -696,7 +626,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_hologram_params, NULL, &a->hologram.options},
                                      {lf_photo_params, NULL, &a->options.photo},
                                      {lf_picture_params, NULL, &a->options.photo},
-                                     {lf_standing_params, standing, &a->options.standing},
+                                     {lf_standing_params, LF_RENDER_STANDING, &a->options.standing},
                                      {lf_frames_params, NULL, &a->frames},
                                      {lf_state_params, NULL, &a->state},
                                      {lf_video_params, NULL, &a->video},
@@ -705,7 +635,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .letters = ":o:",
                                     .parts = parts,
                                     .table = table,
-                                    .print_help = print_help,
+                                    .print_help = lf_render_help,
                                     .take = take,
                                     .taken = taken,
                                     .context = a};

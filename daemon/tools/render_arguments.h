@@ -108,6 +108,11 @@ typedef struct lf_render_arguments {
     const char *mp4_option;   /* the first of these that does not apply to a GIF */
 } lf_render_arguments;
 
+/* Options of lf_standing_params; depth-inversion is in lf_rgbd_params, too, which has it. */
+#define LF_RENDER_STANDING "rgbd-in chroma-depth depthiness depth-cutoff focus zoom crop-x crop-y"
+/* Prints --help. */
+void lf_render_help(void);
+
 /* Parses argv into *out (strings point into it; unused members are zero). *out_done: --help or
  * --version was printed. LF_E_ARG with the option as `where`; LF_E_IO: the folder of a batch is
  * missing. */

@@ -30,6 +30,7 @@ typedef struct lf_rendering_state {
     double passes;         /* passes at the last request to save */
     bool goes_on, is_kept; /* the renderer holds passes to continue; the file exists */
     bool told;             /* the resumption was reported */
+    bool spreads;          /* only whole passes can be saved */
     lf_render_times times; /* total of all runs */
     char *path;            /* the file; NULL: not known yet */
 } lf_rendering_state;
@@ -124,6 +125,13 @@ LF_NODISCARD lf_status lf_rendering_patched(lf_rendering *r, const json_t *patch
 void lf_rendering_show(void *context, const lf_render_progress *progress);
 /* Shows the finished fraction of the current frame. */
 void lf_rendering_show_frame(lf_rendering *r, double fraction);
+/* The camera of the current row of the scene's grid, for --camera-rows. LF_E_ARG: there is no such
+ * row, or the output has cameras of its own. */
+LF_NODISCARD lf_status lf_rendering_scene_row(const lf_rendering *r, lf_camera *out, lf_error *err);
+/* Whether --camera-rows are rows of the grid that a print defines, which only states can be of. */
+bool lf_rendering_is_print_row(const lf_rendering *r);
+/* Makes the current row of a print's grid, in r->settings, the camera. LF_E_ARG. */
+LF_NODISCARD lf_status lf_rendering_print_row(lf_rendering *r, lf_error *err);
 /* Rows of a camera grid; 1: not a grid. */
 int lf_rendering_camera_rows(const lf_rendering *r);
 /* The budget of one row of cameras. Budgets apply to each row, except times, which are divided. */
@@ -157,6 +165,10 @@ LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_erro
 const lf_output_kind *lf_rendering_kind(const lf_rendering *r);
 /* True if the output is a video of the views of one job: a camera track. */
 bool lf_rendering_is_track(const lf_rendering *r);
+/* Removes the states of the current frame or row, whose files have been written; and one. */
+void lf_rendering_state_remove(const lf_rendering *r);
+void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
+                                  int shutter_part);
 /* Renders r->scene; does nothing for a finished light field. If the state is the only output, r has
  * no picture afterwards. */
 LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);

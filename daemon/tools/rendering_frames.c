@@ -126,6 +126,11 @@ static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_
         status = lf_rendering_run(r, err);
     if (status == LF_OK && !lf_state_is_all(&r->arguments->state))
         status = lf_rendering_write(r, err);
+    if (status == LF_OK && r->arguments->state.file && !r->video &&
+        !lf_state_is_all(&r->arguments->state)) {
+        lf_rendering_state_remove(r);
+        lf_shared_frames_remove_states(shared, r);
+    }
     r->sequence.n_done += status == LF_OK;
     return status;
 }
@@ -142,6 +147,10 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
         camera = *lf_scene_camera(r->scene);
         status = lf_shared_frames_create(r, wanted, &shared, err);
     }
+    if (shared && lf_state_is_all(&r->arguments->state))
+        status = lf_error_set(err, LF_E_ARG, r->arguments->state.has_rows ? "--rows" : "--stream",
+                              "cannot be combined with shutters that frames share; render whole "
+                              "frames");
     r->sequence.begun = lf_time_now();
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;

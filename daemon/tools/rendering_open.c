@@ -71,36 +71,6 @@ lf_status lf_rendering_open_made_print(lf_rendering *r, lf_error *err)
     return lf_rendering_open_print(r, is_micro ? MOST_GRID_VIEWS : LF_MAX_VIEWS, err);
 }
 
-/* Checks that the current camera row exists in the scene. */
-static lf_status check_row(const lf_rendering *r, lf_error *err)
-{
-    const lf_camera *camera = lf_scene_camera(r->scene);
-    const lf_options *o = &r->arguments->options;
-    if (r->sequence.plate && camera->n_rows == 0)
-        return r->arguments->frames.last == 0
-                   ? LF_OK
-                   : lf_error_set(err, LF_E_ARG, "--camera-rows",
-                                  "the plate has one row of cameras; expected 0:0");
-    if (camera->n_rows == 0)
-        return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene has no camera grid; set camera.views");
-    if (r->arguments->frames.last >= camera->n_rows)
-        return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene has a %s of %d x %d cameras; expected rows within 0:%d",
-                            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows,
-                            camera->n_rows - 1);
-    const lf_output_kind *kind = r->arguments->kind;
-    if (kind->needs_panel || kind->check_print)
-        return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "cannot be combined with --%s, which defines its own cameras",
-                            kind->option);
-    if (o->views > 0 || o->preset)
-        return lf_error_set(
-            err, LF_E_ARG, o->preset ? "--preset" : "--views",
-            "cannot be combined with --camera-rows, because the scene defines the rows");
-    return LF_OK;
-}
-
 /* Default number of views of a loop on an arc. */
 static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
 {
@@ -149,15 +119,14 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     const lf_calibration *calibration = a->kind->needs_panel ? &r->calibration : NULL;
     const lf_camera *camera = lf_scene_camera(r->scene);
-    const bool of_rows = a->frames.of_rows;
+    const bool of_rows = a->frames.of_rows, of_print = lf_rendering_is_print_row(r);
     lf_camera row;
     const bool one_rig = a->kind->needs_panel || a->kind->check_print ||
                          a->kind == &lf_output_still || a->kind == &lf_output_wiggle ||
                          (a->kind->layers && (!a->rgbd.is_quilt || camera->list));
-    if (of_rows) {
-        if (check_row(r, err) != LF_OK)
+    if (of_rows && !of_print) {
+        if (lf_rendering_scene_row(r, &row, err) != LF_OK)
             return LF_E_ARG;
-        row = lf_camera_row(camera, r->sequence.frame);
         camera = &row;
     }
     const lf_options options = options_of(r, camera);
@@ -181,7 +150,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
             lf_output_print_rig(&r->print, &r->settings.camera);
         r->print.rolled = r->print.horizontal;
     }
-    return status;
+    return status == LF_OK && of_print ? lf_rendering_print_row(r, err) : status;
 }
 
 /* Replaces the scene by a patched one. Takes ownership of patch; NULL: out of memory. */
@@ -591,7 +560,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
                               "with --camera-rows");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
-    if (status == LF_OK && r->sequence.on)
+    if (status == LF_OK && r->sequence.on && !lf_state_is_all(&a->state))
         status = check_exposure(r, err);
     if (status == LF_OK && (a->kind == &lf_output_video || a->kind == &lf_output_wiggle))
         status = open_video(r, err);

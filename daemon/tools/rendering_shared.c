@@ -242,7 +242,24 @@ typedef struct progress_of {
 static void show_part(void *context, const lf_render_progress *progress)
 {
     const progress_of *of = context;
+    lf_rendering_state_look(of->rendering, progress);
     lf_rendering_show_frame(of->rendering, ((double)of->part + progress->fraction) / of->n_parts);
+}
+
+static lf_status spend(lf_shared_frames *s, lf_rendering *r, int64_t part, const lf_budget *budget,
+                       progress_of *of, lf_render_times *out_times, lf_error *err)
+{
+    const lf_saved_field field = {s->renderer, (int)(part / s->a_frame), (int)(part % s->a_frame),
+                                  show_part, of};
+    if (r->arguments->state.file) {
+        const lf_status status = lf_rendering_state_spend(r, &field, budget, NULL, err);
+        *out_times = r->state.times;
+        return status;
+    }
+    const lf_status status = lf_render_spend(s->renderer, budget, r->arguments->options.estimator,
+                                             NULL, show_part, of, r->cancel, out_times);
+    return status == LF_OK ? LF_OK
+                           : lf_error_set(err, status, r->arguments->out, "rendering failed");
 }
 
 static lf_status render_part(lf_shared_frames *s, lf_rendering *r, int64_t part, lf_error *err)
@@ -253,12 +270,32 @@ static lf_status render_part(lf_shared_frames *s, lf_rendering *r, int64_t part,
     lf_status status = begin_part(s, r, part, err);
     if (status != LF_OK)
         return status;
-    status = lf_render_spend(s->renderer, &budget, r->arguments->options.estimator, NULL, show_part,
-                             &of, r->cancel, &times);
+    status = spend(s, r, part, &budget, &of, &times, err);
     if (status != LF_OK)
-        return lf_error_set(err, status, r->arguments->out, "rendering failed");
+        return status;
     s->passes = times.passes;
     return share(s, r, part, &times, err);
+}
+
+/* The first wanted frame after the current one, or one far behind it. */
+static int next_wanted(const lf_shared_frames *s, const lf_rendering *r)
+{
+    const lf_frames *frames = &r->arguments->frames;
+    int frame = r->sequence.frame + 1;
+    while (frame <= frames->last && !s->wanted[frame - frames->first])
+        frame++;
+    return frame <= frames->last ? frame : frame + s->n_parts;
+}
+
+void lf_shared_frames_remove_states(const lf_shared_frames *shared, const lf_rendering *r)
+{
+    if (!shared)
+        return;
+    const int64_t first = (int64_t)r->sequence.frame * shared->a_frame,
+                  next = (int64_t)next_wanted(shared, r) * shared->a_frame;
+    for (int64_t part = first; part < first + shared->n_parts && part < next; part++)
+        lf_rendering_state_remove_at(r, (int)(part / shared->a_frame), -1,
+                                     (int)(part % shared->a_frame));
 }
 
 lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r, lf_error *err)

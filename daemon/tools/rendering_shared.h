@@ -5,6 +5,8 @@
  * not depend on the frame. A frame is the sum of its parts, each with its share of the samples
  * (docs/developer/estimators/motion.md, "Shutters that overlap").
  *
+ * With --state, each part has a state: shutter_part k of frame f is the k-th part that begins in f.
+ *
  * Thread: the main thread, as the rendering's. */
 #ifndef LF_DAEMON_RENDERING_SHARED_H
 #define LF_DAEMON_RENDERING_SHARED_H
@@ -28,6 +30,8 @@ LF_NODISCARD lf_status lf_shared_frames_create(const lf_rendering *r, const bool
  * r->gathered. Frames must come in order. LF_E_CANCELLED; errors of scenes. */
 LF_NODISCARD lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r,
                                              lf_error *err);
+/* Removes the states of parts that no frame after the current one needs. shared NULL: none. */
+void lf_shared_frames_remove_states(const lf_shared_frames *shared, const lf_rendering *r);
 /* Accepts NULL. */
 void lf_shared_frames_destroy(lf_shared_frames *shared);
 

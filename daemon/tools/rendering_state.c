@@ -2,6 +2,7 @@
  * from it. */
 #include <stdio.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -22,7 +23,8 @@ void lf_rendering_state_look(lf_rendering *r, const lf_render_progress *progress
         lf_log(LF_LOG_INFO, "%s: continuing at %.4g spp", s->path, spp(r, progress->passes));
     s->told = true;
     /* a job that stops again before adding passes would never end */
-    if (lf_time_now() - s->saved < s->interval || !(progress->passes > s->passes))
+    if (lf_time_now() - s->saved < s->interval || !(progress->passes > s->passes) ||
+        (s->spreads && !progress->whole))
         return;
     s->passes = progress->passes;
     atomic_store_explicit(r->pause, 1, memory_order_relaxed);
@@ -64,6 +66,26 @@ static lf_job_place place_of(const lf_rendering *r, const lf_saved_field *field)
     else if (r->sequence.on && field->frame < 0)
         place.frame = r->sequence.frame;
     return place;
+}
+
+void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
+                                  int shutter_part)
+{
+    char *path = lf_rendering_state_path(r, frame, camera_row, shutter_part);
+    if (path)
+        unlink(path);
+    lf_free(path);
+}
+
+void lf_rendering_state_remove(const lf_rendering *r)
+{
+    const int current = r->sequence.frame, rows = r->settings.camera.n_rows;
+    if (r->arguments->frames.of_rows)
+        lf_rendering_state_remove_at(r, -1, current, -1);
+    else if (rows == 0)
+        lf_rendering_state_remove_at(r, current, -1, -1);
+    for (int row = 0; row < rows; row++)
+        lf_rendering_state_remove_at(r, current, row, -1);
 }
 
 static lf_part part_of(const lf_job_place *place)
@@ -148,7 +170,8 @@ static lf_status take_up(lf_rendering *r, const work *w, lf_job_progress *out, l
         return status;
     r->state.goes_on = r->state.is_kept = true;
     r->state.times = out->times;
-    if (out->complete && !is_all)
+    r->state.passes = (double)out->times.passes;
+    if (out->complete && !is_all && !r->sequence.on && lf_rendering_camera_rows(r) == 1)
         lf_log(LF_LOG_INFO, "%s: the image is complete (%.4g spp)", path,
                spp(r, (double)out->times.passes));
     return LF_OK;
@@ -187,7 +210,10 @@ static lf_status begin(lf_rendering *r, const lf_job_place *place, work *w, lf_e
     lf_rendering_state *s = &r->state;
     char *path = lf_rendering_state_path(r, place->frame, place->camera_row, place->shutter_part);
     lf_free(s->path);
-    *s = (lf_rendering_state){.interval = s->interval, .saved = lf_time_now(), .path = path};
+    *s = (lf_rendering_state){.interval = s->interval,
+                              .saved = lf_time_now(),
+                              .spreads = lf_renderer_spreads(w->field->renderer),
+                              .path = path};
     w->part = part_of(place);
     w->of =
         path ? lf_job_state_of(r->arguments->scene, w->field->renderer, w->budget, place) : NULL;
@@ -202,9 +228,11 @@ lf_status lf_rendering_state_spend(lf_rendering *r, const lf_saved_field *field,
     lf_job_progress progress = {0};
     work w = {.field = field, .budget = budget};
     if (!lf_renderer_is_its_film(field->renderer))
-        return lf_error_set(err, LF_E_ARG, "--state", "is not supported with %s",
-                            r->settings.camera.list ? "a list, path or circle of cameras"
-                                                    : "this --integrator");
+        return lf_error_set(err, LF_E_ARG, "--state", "is not supported with this --integrator");
+    if (a->state.has_rows && lf_renderer_spreads(field->renderer))
+        return lf_error_set(err, LF_E_ARG, "--rows",
+                            "is not supported with a list, path or circle of cameras, which share "
+                            "paths among all rows");
     lf_status status = lf_rendering_state_fits(r, err);
     if (status == LF_OK)
         status = begin(r, &place, &w, err);

@@ -4,7 +4,7 @@
 
 static const struct allowed {
     const char *method;
-    const char *without[3]; /* parameters that are not allowed */
+    const char *without[5]; /* parameters that are not allowed */
 } table[] = {
     {.method = "hello"},
     {.method = "status"},
@@ -19,7 +19,7 @@ static const struct allowed {
     {.method = "time.stop"},
     {.method = "wait"},
     {.method = "render.set", .without = {"threads"}},
-    {.method = "export", .without = {"fds", "detach", "overwrite"}},
+    {.method = "export", .without = {"fds", "detach", "overwrite", "farm", "job"}},
     {.method = "job.cancel"},
     {.method = "library.list"},
     {.method = "playlist.set"},
@@ -44,7 +44,7 @@ lf_status lf_allow_check(const char *method, const json_t *params, lf_error *err
     for (int i = 0; i < N_ALLOWED; i++) {
         if (strcmp(table[i].method, method) != 0)
             continue;
-        for (int k = 0; k < 3 && table[i].without[k]; k++)
+        for (int k = 0; k < 5 && table[i].without[k]; k++)
             if (json_object_get(params, table[i].without[k]))
                 return lf_error_set(err, LF_E_ARG, method,
                                     "quiltweb does not allow the parameter %s",

@@ -19,9 +19,9 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
     [MVPT] = {.name = "mvpt",
               .what = "all views share paths",
               .shares = true,
-              .remembers = true, /* contributions between rows, during a pass */
+              .spreads = true,
               .supports = SUPPORT},
-    [VPT] = {.name = "vpt", .what = "each view alone", .remembers = true, .supports = SUPPORT}};
+    [VPT] = {.name = "vpt", .what = "each view alone", .spreads = true, .supports = SUPPORT}};
 
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024
@@ -112,10 +112,10 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
 {
     lf_any_cameras *s = the_state;
     const lf_film_counts *before = &s->film->streams[order->stream].rows[row];
-    const uint32_t index = before->visits[half];
+    const uint32_t index = order->at ? order->at->visits[half] : before->visits[half];
+    const double n = order->at ? order->at->given[half] / s->n_views : before->n[half];
     const uint64_t key = lf_visit_key(order->random, row, half);
-    const lf_visit_lattice lattice =
-        lf_visit_lattice_of(order, key, before->n[half], index, s->n_views);
+    const lf_visit_lattice lattice = lf_visit_lattice_of(order, key, n, index, s->n_views);
     s->halves[row] = (uint8_t)half;
     lf_any_worker *w = &s->workers[worker_index];
     if (w->queue)
@@ -213,6 +213,8 @@ static void close_row(void *context, int item, int worker_index)
     const int row = c->pass->first_row + item * c->pass->row_step, half = s->halves[row];
     const uint32_t index = s->film->streams[order->stream].rows[row].visits[half];
     const uint64_t key = lf_visit_key(order->random, row, half);
+    if (order->at && index > order->at->visits[half])
+        return; /* it has had this visit */
     lf_film_meet(s->film, row, true);
     lf_film_sums_begin(&w->sums);
     lf_splats_take(&s->splats, row, &w->sums);
@@ -243,7 +245,8 @@ static lf_status end(void *the_state, const lf_pass *pass, const lf_cancel *canc
     if (pass->order->subsets == 0)
         return LF_OK; /* every pixel has a sample of its own after n_views passes */
     const lf_status status = lf_pool_run(s->pool, pass->n_rows, close_row, &c, cancel);
-    s->spilt = status != LF_OK || (cancel && atomic_load_explicit(cancel, memory_order_relaxed));
+    s->spilt = status != LF_OK || pass->order->at ||
+               (cancel && atomic_load_explicit(cancel, memory_order_relaxed));
     return status;
 }
 

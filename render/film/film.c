@@ -57,6 +57,13 @@ uint64_t lf_film_stream_random(const lf_film_stream *s)
     return s->number == 0 ? s->seed : lf_hash64(lf_hash64(s->seed, 0), s->number);
 }
 
+uint64_t lf_film_visits_key(uint64_t seed, uint32_t number, const uint32_t visits[2])
+{
+    return lf_film_visited(visits)
+               ? lf_hash64(lf_hash64(seed, number), (uint64_t)visits[0] << 32 | (uint64_t)visits[1])
+               : 0;
+}
+
 /* The number of streams before this one. */
 static int count_before(const lf_film *film, uint64_t seed, uint32_t number)
 {
@@ -133,14 +140,18 @@ void lf_film_finish(lf_film *film)
     memset(film, 0, sizeof *film);
 }
 
-bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
+bool lf_film_same_layout(const lf_film_layout *a, const lf_film_layout *b)
 {
-    const lf_film_layout *a = &film->layout;
-    return film->data && a->n_views == b->n_views && a->width == b->width &&
-           a->height == b->height && a->has_w2 == b->has_w2 && a->has_native == b->has_native &&
+    return a->n_views == b->n_views && a->width == b->width && a->height == b->height &&
+           a->has_w2 == b->has_w2 && a->has_native == b->has_native &&
            a->has_known == b->has_known && a->has_delta == b->has_delta &&
            a->has_signed == b->has_signed && a->has_features == b->has_features &&
            a->has_albedo == b->has_albedo;
+}
+
+bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout)
+{
+    return film->data && lf_film_same_layout(&film->layout, layout);
 }
 
 bool lf_film_alike(const lf_film *film, const lf_film *b)

@@ -135,6 +135,9 @@ typedef struct lf_film_stream {
 
 /* The key of its random numbers; for number 0 it is the seed. */
 uint64_t lf_film_stream_random(const lf_film_stream *stream);
+/* Random bits of its visits of a row; 0: none. Sums of several rounds are keyed by their sum, which
+ * does not depend on an order. */
+uint64_t lf_film_visits_key(uint64_t seed, uint32_t number, const uint32_t visits[2]);
 
 #define LF_PICTURE_BYTES 32
 
@@ -155,6 +158,7 @@ typedef struct lf_film {
 /* film must be zeroed or finished. sky is set to 0. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_init(lf_film *film, const lf_film_layout *layout);
 void lf_film_finish(lf_film *film);
+bool lf_film_same_layout(const lf_film_layout *a, const lf_film_layout *b);
 bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout);
 /* Whether b can be added to film: the layouts are equal, and the skies bitwise equal (the sums
  * depend on the sky). */

@@ -104,10 +104,7 @@ static uint64_t key_of(const lf_film *film, int row)
     uint64_t key = 0;
     for (int i = 0; i < film->n_streams; i++) {
         const lf_film_stream *s = &film->streams[i];
-        const uint32_t *visits = s->rows[row].visits;
-        if (lf_film_visited(visits))
-            key += lf_hash64(lf_hash64(s->seed, s->number),
-                             (uint64_t)visits[0] << 32 | (uint64_t)visits[1]);
+        key += lf_film_visits_key(s->seed, s->number, s->rows[row].visits);
     }
     return key;
 }

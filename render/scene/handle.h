@@ -24,6 +24,9 @@ void lf_scene_unref(lf_scene *scene);
 const char *lf_scene_included(const lf_scene *scene, int index);
 /* Borrowed, valid as long as the scene. The document is the merged one, without includes. */
 const json_t *lf_scene_json(const lf_scene *scene);
+/* A copy of the document for a file in any folder: names of files are absolute. A new reference;
+ * NULL = out of memory. Thread: any. */
+json_t *lf_scene_json_absolute(const lf_scene *scene);
 /* The size of its document in the shortest form. */
 size_t lf_scene_json_bytes(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);

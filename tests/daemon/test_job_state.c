@@ -128,10 +128,10 @@ static void a_foreign_file_is_refused_and_named(void **state)
     static const struct {
         const char *options, *words;
     } cases[] = {
-        {"--spp 2 --seed 7", "differs in the seed (0, now 7); remove it"},
-        {"--spp 2 --views 5", "differs in the number of views (6, now 5)"},
-        {"--spp 2 --view-size 24x31", "the views' height (32, now 31)"},
-        {"--spp 2 --integrator vpt", "the integrator (\"mvpt\", now \"vpt\")"},
+        {"--spp 2 --seed 7", "differs in the seed (0, not 7); remove it"},
+        {"--spp 2 --views 5", "differs in the number of views (6, not 5)"},
+        {"--spp 2 --view-size 24x31", "the views' height (32, not 31)"},
+        {"--spp 2 --integrator vpt", "the integrator (\"mvpt\", not \"vpt\")"},
         {"--spp 2 --max-depth 2", "the render settings"},
         {"--spp 1", "holds 2 spp, but this job asks for 1"},
     };
@@ -159,7 +159,7 @@ static void a_foreign_file_is_refused_and_named(void **state)
     assert_non_null(strstr(o.err, "differs in the camera"));
     qr_run(&o, "%s -o %s/no.png --state %s --reconstruct on --spp 2 " SIZE, f->scene, f->folder,
            path);
-    qr_assert_fails(&o, 1, "--denoise (false, now true)");
+    qr_assert_fails(&o, 1, "--denoise (false, not true)");
     assert_int_equal(qr_count_files(f->folder), before);
     snprintf(other, sizeof other, "%s",
              lf_test_write(f->folder, "other.json",

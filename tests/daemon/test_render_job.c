@@ -6,6 +6,7 @@
 
 #include "base/alloc.h"
 #include "daemon/output/render_job.h"
+#include "render/film/film.h"
 #include "render/papers/papers.h"
 #include "tests/scene_file.h"
 
@@ -267,6 +268,123 @@ static void a_job_in_pieces_gives_the_bits_of_one_at_once(void **state)
     }
 }
 
+/* Cancels once so many rows were merged. */
+static stopper *on_merge;
+
+void __real_lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
+                          double passes, uint64_t key);
+void __wrap_lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
+                          double passes, uint64_t key);
+void __wrap_lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
+                          double passes, uint64_t key)
+{
+    __real_lf_film_merge(film, stream, row, half, sums, passes, key);
+    if (on_merge && --on_merge->left <= 0)
+        atomic_store(&on_merge->cancel, 1);
+}
+
+/* Cameras listed one by one, of the rig's kind. */
+static void list_cameras(fixture *f)
+{
+    static lf_view_camera list[VIEWS];
+    lf_camera *camera = &f->settings.camera;
+    for (int i = 0; i < VIEWS; i++) {
+        memcpy(list[i].position, camera->position, sizeof list[i].position);
+        memcpy(list[i].target, camera->target, sizeof list[i].target);
+        memcpy(list[i].up, camera->up, sizeof list[i].up);
+        list[i].position[0] += 0.3 * i;
+        list[i].fov_y = camera->fov_y;
+    }
+    camera->list = list;
+}
+
+/* Stopped while a pass moves into the film, and while it is on its way. */
+static void listed_cameras_go_on_from_any_row(void **state)
+{
+    fixture *f = *state;
+    float expected[FLOATS];
+    const lf_budget budget = {.passes = 3 * VIEWS + 1};
+    lf_render_times times;
+    list_cameras(f);
+    for (int alone = 0; alone < 2; alone++) {
+        f->settings.integrator = alone ? "vpt" : "mvpt";
+        restart(f);
+        assert_true(lf_renderer_spreads(f->renderer));
+        lf_assert_ok(lf_render_run(f->renderer, &budget, LF_ESTIMATOR_MIS, expected, NULL, NULL,
+                                   NULL, &times),
+                     NULL);
+        for (int rows = 1; rows <= HEIGHT + 2; rows++) {
+            int n = 0, n_before = 0;
+            lf_status status = LF_E_CANCELLED;
+            restart(f);
+            for (times = (lf_render_times){0}; status == LF_E_CANCELLED; n++) {
+                stopper s = {.left = rows};
+                on_merge = &s;
+                status =
+                    lf_render_gather(f->renderer, NULL, &budget, LF_ESTIMATOR_MIS,
+                                     n > 0 ? &times : NULL, f->film, NULL, NULL, &s.cancel, &times);
+                on_merge = NULL;
+                assert_true(times.passes >= n_before && times.passes <= budget.passes);
+                n_before = (int)times.passes;
+                take_up(f);
+            }
+            assert_int_equal(status, LF_OK);
+            assert_true(n > 1);
+            lf_assert_ok(lf_renderer_resolve(f->renderer, LF_ESTIMATOR_MIS, f->film, NULL), NULL);
+            assert_memory_equal(f->film, expected, sizeof expected);
+        }
+    }
+}
+
+/* A band of rows in pieces has the bits of its rows in the whole film; rows outside have none. */
+static void a_part_in_pieces_gives_its_rows_of_the_whole(void **state)
+{
+    fixture *f = *state;
+    float expected[FLOATS];
+    const lf_budget budget = {.passes = 5 * VIEWS + 3};
+    const lf_part part = {.first_row = 2, .end_row = 5};
+    const size_t row_floats = FLOATS / HEIGHT;
+    lf_render_times times = {0};
+    lf_assert_ok(
+        lf_render_run(f->renderer, &budget, LF_ESTIMATOR_MIS, expected, NULL, NULL, NULL, &times),
+        NULL);
+    restart(f);
+    lf_status status = LF_E_CANCELLED;
+    int n = 0;
+    for (; status == LF_E_CANCELLED; n++) {
+        stopper s = {.left = 2 * (n + 1)};
+        status = lf_render_gather(f->renderer, &part, &budget, LF_ESTIMATOR_MIS,
+                                  n > 0 ? &times : NULL, f->film, stop, &s, &s.cancel, &times);
+        take_up(f);
+    }
+    lf_assert_ok(status, NULL);
+    assert_true(n > 1);
+    assert_int_equal(times.passes, budget.passes);
+    lf_assert_ok(lf_renderer_resolve(f->renderer, LF_ESTIMATOR_MIS, f->film, NULL), NULL);
+    assert_memory_equal(f->film + 2 * row_floats, expected + 2 * row_floats,
+                        3 * row_floats * sizeof *expected);
+    for (int row = 0; row < HEIGHT; row++)
+        assert_int_equal(lf_renderer_visited(f->renderer, row), row >= 2 && row < 5);
+    /* negative controls: it is not another part, nor are there rows that do not exist */
+    const lf_part others[] = {{0},
+                              {.first_row = 2, .end_row = 6},
+                              {.first_row = 3, .end_row = 5},
+                              {.first_row = 2, .end_row = 5, .stream = 1}};
+    lf_asked at = {0};
+    lf_assert_ok(
+        lf_renderer_passes_after(f->renderer, &part, &at, budget.passes, false, NULL, NULL, NULL),
+        NULL);
+    assert_true(lf_renderer_is_at(f->renderer, &part, &at));
+    for (int i = 0; i < 4; i++)
+        assert_false(lf_renderer_is_at(f->renderer, &others[i], &at));
+    /* nor does it hold what another stream has added */
+    lf_assert_ok(lf_renderer_passes(f->renderer, &others[3], 4, false, NULL, NULL, NULL), NULL);
+    assert_false(lf_renderer_is_at(f->renderer, &part, &at));
+    const lf_part outside = {.first_row = 0, .end_row = HEIGHT + 1};
+    assert_int_equal(
+        lf_renderer_passes_after(f->renderer, &outside, &at, 4, false, NULL, NULL, NULL), LF_E_ARG);
+}
+
 /* And with another budget, where it has passed through the films of the first. */
 static void a_larger_budget_goes_on_where_a_smaller_one_ended(void **state)
 {
@@ -337,6 +455,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_target_is_met_by_the_estimate, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_cancelled_job_says_so, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_job_in_pieces_gives_the_bits_of_one_at_once, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(listed_cameras_go_on_from_any_row, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_part_in_pieces_gives_its_rows_of_the_whole, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_larger_budget_goes_on_where_a_smaller_one_ended, set_up,
                                         tear_down),

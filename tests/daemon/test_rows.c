@@ -130,8 +130,8 @@ static void the_commands_of_a_plan_do_the_job(void **state)
     run_command(o.out, 2);
     assert_true(qr_exists(f->folder, "it's_2/view_001.exr"));
     assert_false(qr_exists(f->folder, "it's_1"));
-    qr_run(&o, "--pl --task-mi 0 --camera-r 0:2 --spp 1 -o %s/short_%%d/ " SIZE " -- %s", f->folder,
-           scene);
+    qr_run(&o, "--plan --task-mi 0 --camera-r 0:2 --spp 1 -o %s/short_%%d/ " SIZE " -- %s",
+           f->folder, scene);
     assert_int_equal(count_commands(o.out), ROWS);
     run_command(o.out, 1);
     assert_true(qr_exists(f->folder, "short_1/view_001.exr"));

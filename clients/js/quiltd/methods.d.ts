@@ -13,6 +13,8 @@ export interface Calls {
       "protocol"?: number;
       /** folders from which clients may name files */
       "folders"?: string[];
+      /** farms that an export may name */
+      "farms"?: string[];
       /** methods by name, each with summary, params and result (JSON Schemas) and example */
       "methods"?: { [key: string]: unknown };
       /** notifications by name, each with summary, event (for subscribe) and params (JSON Schema) */
@@ -266,7 +268,7 @@ export interface Calls {
       /** number of client lines handled so far [count] */
       "lines"?: number;
       /** exports waiting or running */
-      "jobs"?: {
+      "jobs"?: ({
         /** job number of the export [count] */
         "job"?: number;
         /** kind of the export */
@@ -275,9 +277,42 @@ export interface Calls {
         "file"?: string;
         /** waiting, running, done, failed or cancelled */
         "state"?: string;
-        /** share written, from 0 to 1 [share] */
+        /** share written, or of a farm's tasks that are complete, from 0 to 1 [share] */
         "progress"?: number;
-      }[];
+        /** the farm that renders it; absent if quiltd does */
+        "farm"?: {
+          /** slurm, parallel or list */
+          "engine"?: string;
+          /** folder of the job, for quiltfarm */
+          "folder"?: string;
+          /** planning, submitting, planned, queued, running, merging, interrupted, failed or complete */
+          "state"?: string;
+          /** its tasks */
+          "tasks"?: {
+            /** all tasks; 0: not known yet [count] */
+            "total"?: number;
+            /** tasks whose results are there [count] */
+            "complete"?: number;
+            /** tasks that run [count] */
+            "running"?: number;
+            /** tasks that have failed [count] */
+            "failed"?: number;
+            /** tasks that have no result and do not run [count] */
+            "missing"?: number;
+          };
+          /** CPU time of all tasks */
+          "cpu_seconds"?: {
+            /** what quiltfarm expects; null: unknown [seconds] */
+            "planned"?: number | null;
+            /** what was used so far; null: unknown [seconds] */
+            "spent"?: number | null;
+          };
+          /** time to its end; null: unknown [seconds] */
+          "seconds_left"?: number | null;
+          /** why quiltfarm did not say how far it is; null: it did */
+          "problem"?: string | null;
+        };
+      })[];
       /** the slideshow; null: no entries */
       "playlist"?: {
         /** number of the current entry, from 0 [count] */
@@ -1375,6 +1410,14 @@ export interface Calls {
       "overwrite"?: boolean;
       /** write the denoised image; auto: as on the panel, but EXR files unfiltered */
       "denoise"?: "auto" | "off" | "on";
+      /** farm that renders the scene anew, see Farms; quiltd needs --farm */
+      "farm"?: "slurm" | "parallel" | "list";
+      /** farm: new folder below --export-dir, for scene, tasks and states of the job */
+      "job"?: string;
+      /** farm: base paths per view pixel (as quiltrender) [samples per pixel] */
+      "spp"?: number;
+      /** farm: base paths per pixel of one view (as quiltrender) [passes] */
+      "passes"?: number;
       /** number of descriptors (SCM_RIGHTS) that come with the call; quiltd writes to them instead of opening file */
       "fds"?: number;
       /** print: measured visual pitch of the lens sheet; chart: pitch in its middle [lpi] */
@@ -1824,8 +1867,41 @@ export interface Notifications {
     "file"?: string;
     /** waiting, running, done, failed or cancelled */
     "state"?: string;
-    /** share written, from 0 to 1 [share] */
+    /** share written, or of a farm's tasks that are complete, from 0 to 1 [share] */
     "progress"?: number;
+    /** the farm that renders it; absent if quiltd does */
+    "farm"?: {
+      /** slurm, parallel or list */
+      "engine"?: string;
+      /** folder of the job, for quiltfarm */
+      "folder"?: string;
+      /** planning, submitting, planned, queued, running, merging, interrupted, failed or complete */
+      "state"?: string;
+      /** its tasks */
+      "tasks"?: {
+        /** all tasks; 0: not known yet [count] */
+        "total"?: number;
+        /** tasks whose results are there [count] */
+        "complete"?: number;
+        /** tasks that run [count] */
+        "running"?: number;
+        /** tasks that have failed [count] */
+        "failed"?: number;
+        /** tasks that have no result and do not run [count] */
+        "missing"?: number;
+      };
+      /** CPU time of all tasks */
+      "cpu_seconds"?: {
+        /** what quiltfarm expects; null: unknown [seconds] */
+        "planned"?: number | null;
+        /** what was used so far; null: unknown [seconds] */
+        "spent"?: number | null;
+      };
+      /** time to its end; null: unknown [seconds] */
+      "seconds_left"?: number | null;
+      /** why quiltfarm did not say how far it is; null: it did */
+      "problem"?: string | null;
+    };
     /** why it failed; absent if it did not */
     "error"?: {
       /** error code, as in an error response [count] */

@@ -175,6 +175,18 @@ static bool move_names(json_t *doc, const char *from)
     return done;
 }
 
+json_t *lf_scene_json_absolute(const lf_scene *scene)
+{
+    char *from = lf_path_join(lf_scene_folder(scene), "scene"); /* a name beside its files */
+    json_t *doc = from ? json_deep_copy(lf_scene_json(scene)) : NULL;
+    const bool done = doc && move_names(doc, from);
+    lf_free(from);
+    if (done)
+        return doc;
+    json_decref(doc);
+    return NULL;
+}
+
 /* --------------------------------------------------------------------------------- including -- */
 
 /* Who includes whom, up to the document. */
