@@ -48,13 +48,15 @@ static void describe_shutters(const lf_rendering *r, lf_plan *plan)
 {
     const int fields = plan->job.last - plan->job.first + 1;
     plan->passes = lf_rendering_budget(r).passes;
+    plan->n_sums = r->sequence.on && !r->arguments->frames.of_rows ? plan->n_rows : 1;
     plan->job.group = 1;
     plan->job.again = 1;
     plan->n_parts = lf_shared_parts(r, &plan->a_frame);
     if (plan->n_parts == 0)
         return;
     if (plan->passes > 0)
-        plan->passes = lf_shared_budget(r, plan->n_parts).passes * plan->n_parts;
+        plan->passes = lf_shared_budget(r, plan->n_parts).passes;
+    plan->n_sums = plan->n_parts;
     plan->job.group = SHUTTERS_A_TASK * ((plan->n_parts - 1) / plan->a_frame + 1);
     plan->job.group = plan->job.group < fields ? plan->job.group : fields;
     plan->job.again = (double)plan->a_frame / plan->n_parts;
