@@ -209,7 +209,7 @@ $(O)/$(1:.c=): $(call objs,$(1)) $(call fuzz_libs,$(notdir $(1:.c=)))
 endef
 $(foreach f,$(fuzz_srcs),$(eval $(call fuzz_target,$(f))))
 # films know nothing of the rest of their module
-$(O)/tests/fuzz/fuzz_film: $(call objs,$(call module_files,render/film,*.c))
+$(addprefix $(O)/tests/fuzz/fuzz_,film merge): $(call objs,$(call module_files,render/film,*.c))
 
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
