@@ -354,6 +354,9 @@ LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *
                                           int64_t n_passes, bool split, lf_passes_fn row_done,
                                           void *context, const lf_cancel *cancel);
 
+/* The visits of a row that n_passes passes make in an empty film, two whole cycles a call. */
+int64_t lf_renderer_visits(const lf_renderer *renderer, int64_t n_passes);
+
 /* What calls of lf_renderer_passes for one part have added to an empty film. Zeroed: none. */
 typedef struct lf_asked {
     double given[2]; /* passes of each half */

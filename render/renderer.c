@@ -401,6 +401,9 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
     return run(&job);
 }
 
+/* Pairs of whole cycles after which visits have their full size. */
+#define MOST_GROWTH 16
+
 /* A reconstruction needs many film points early: short visits, each at most a quarter of the passes
  * of the half so far. */
 static int passes_of_visit(const lf_renderer *r, double given)
@@ -503,6 +506,27 @@ lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part, int64_t
 {
     lf_passes_report report = {.row_done = row_done, .context = context};
     return give_passes(renderer, part, NULL, n_passes, split, &report, cancel);
+}
+
+int64_t lf_renderer_visits(const lf_renderer *renderer, int64_t n_passes)
+{
+    const int64_t cycles = 2 * (int64_t)renderer->film.n_views;
+    double given[2] = {0.0, 0.0};
+    int64_t n = 0, of_cycles = 0;
+    for (int i = 0; i < MOST_GROWTH && n_passes > 0; i++) {
+        int64_t now = n_passes < cycles ? n_passes : cycles, left[2] = {now - now / 2, now / 2};
+        n_passes -= now;
+        of_cycles = 0;
+        while (left[0] + left[1] > 0) {
+            const int half = left[1] > left[0], most = passes_of_visit(renderer, given[half]),
+                      subsets = left[half] < most ? (int)left[half] : most;
+            left[half] -= subsets;
+            given[half] += subsets;
+            of_cycles++;
+        }
+        n += of_cycles;
+    }
+    return n + (n_passes + cycles - 1) / cycles * of_cycles; /* visits do not grow any more */
 }
 
 lf_status lf_renderer_passes_after(lf_renderer *renderer, const lf_part *part, lf_asked *at,

@@ -14,7 +14,8 @@ typedef struct lf_plan {
     int n_parts, a_frame; /* of shared shutters; 0: frames are whole */
     int n_rows, n_views;  /* cameras of a light field, and pixels of a view */
     int width, height;
-    int64_t passes;     /* of a light field; 0: another limit applies */
+    int64_t passes;     /* of each film of a light field; 0: another limit applies */
+    int n_sums;         /* such films of a light field, one after the other */
     double film_bytes;  /* sums of one light field */
     double files_bytes; /* of all files, uncompressed; negative: unknown */
     int rows_measured;  /* 0: nothing was measured */

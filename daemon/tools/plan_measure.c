@@ -1,108 +1,145 @@
 /* What a job costs: measured on some image rows of some light fields, the rest from the sizes of
  * what a task allocates. */
+#include "daemon/tools/plan_measure.h"
+
 #include <math.h>
-#include <stdio.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/number.h"
-#include "daemon/output/guides.h"
-#include "daemon/tools/plan.h"
+#include "daemon/tools/plan_process.h"
 #include "daemon/tools/rendering_shared.h"
 
 /* Paths rendered to estimate the time, in at least LEAST_ROWS image rows if there are as many. */
-#define PILOT_PATHS 5e5
+#define PILOT_PATHS 6e5
 #define LEAST_ROWS 16
 #define MOST_ROWS 64
-
-/* ----------------------------------------------------------------------------------- process -- */
-
-/* CPU seconds of this process and of its ended children. */
-static double process_cpu(void)
-{
-    struct rusage children;
-    getrusage(RUSAGE_CHILDREN, &children);
-    return lf_time_cpu() + (double)children.ru_utime.tv_sec + (double)children.ru_stime.tv_sec +
-           1e-6 * (double)(children.ru_utime.tv_usec + children.ru_stime.tv_usec);
-}
-
-/* Resident memory of this process in bytes. */
-static double process_memory(void)
-{
-    char text[128] = "";
-    uint64_t pages = 0;
-    FILE *f = fopen("/proc/self/statm", "re");
-    const char *after = f && fgets(text, sizeof text, f) ? lf_whole_read(text, &pages) : NULL;
-    if (after) /* the second number */
-        (void)lf_whole_read(after + 1, &pages);
-    if (f)
-        fclose(f);
-    return (double)pages * (double)sysconf(_SC_PAGESIZE);
-}
-
-static double process_peak(void)
-{
-    struct rusage self;
-    getrusage(RUSAGE_SELF, &self);
-    return 1024.0 * (double)self.ru_maxrss;
-}
+/* A denoised image depends on the rows around: strips of as many rows, and the least passes that
+ * show how visits grow. */
+#define STRIP_ROWS 8
+#define LEAST_STRIPS 5
+#define LEAST_PASSES 24
+#define LEAST_DENOISED_PASSES 96
 
 /* -------------------------------------------------------------------------------------- rows -- */
 
-/* Image rows that are rendered, evenly spread. */
-typedef struct pilot {
-    int first, step, n; /* rows first, first + step, … */
-    int at_once;        /* rows that are timed together, so that all workers have one */
-    int64_t passes;
-} pilot;
-
-static pilot pilot_of(const lf_rendering *r, const lf_plan *plan)
+/* The number of passes per row, in turn; the second may be 0. */
+static void choose_passes(const lf_plan *plan, const lf_plan_pilot *p, bool features,
+                          int64_t out[2])
 {
-    const int64_t cycles = 2 * (int64_t)r->settings.camera.n_views;
-    pilot p = {.at_once = lf_pool_threads(r->pool),
-               .passes = plan->passes < cycles ? plan->passes : cycles};
-    const double fit = PILOT_PATHS / ((double)p.passes * plan->width);
-    const int wanted = (int)fmin(fmax(fit, LEAST_ROWS), MOST_ROWS);
-    p.step = plan->height > wanted ? plan->height / wanted : 1;
-    p.first = p.step / 2;
-    p.n = (plan->height - p.first - 1) / p.step + 1;
-    return p;
+    const double affordable = PILOT_PATHS / ((double)p->n_rows * plan->width);
+    const int64_t least = features ? LEAST_DENOISED_PASSES : LEAST_PASSES,
+                  most = affordable > (double)least ? (int64_t)affordable : least;
+    out[0] = plan->passes;
+    out[1] = 0;
+    if (plan->passes <= most)
+        return;
+    out[0] = features ? most / 6 / 2 * 2 : most / 8 / 2 * 2;
+    out[0] = out[0] > 2 ? out[0] : 2;
+    out[1] = most / 2 * 2 - out[0];
 }
 
-/* Fills the times of all rows from those of the pilot's groups of rows, each of which stands for
- * the rows around its middle. */
-static void spread(const pilot *p, const double *group_cpu, int n_groups, int height, double *out)
+static void choose_rows(const lf_rendering *r, const lf_plan *plan, lf_plan_pilot *p)
 {
-    for (int row = 0; row < height; row++) {
-        const double at =
-                         ((row - p->first) / (double)p->step - 0.5 * (p->at_once - 1)) / p->at_once,
-                     clamped = fmin(fmax(at, 0), n_groups - 1);
-        const int before = (int)clamped, after = before + 1 < n_groups ? before + 1 : before;
-        out[row] = group_cpu[before] + (clamped - before) * (group_cpu[after] - group_cpu[before]);
+    const int threads = lf_pool_threads(r->pool), height = plan->height,
+              least = r->settings.features ? LEAST_STRIPS * STRIP_ROWS : LEAST_ROWS;
+    const double fit = PILOT_PATHS / ((double)plan->passes * plan->width);
+    const int wanted = (int)fmin(fmax(fit, least), fmax(MOST_ROWS, least));
+    p->strip = r->settings.features ? STRIP_ROWS : 1;
+    p->strip = (p->strip + threads - 1) / threads * threads;
+    p->n = (wanted + p->strip - 1) / p->strip;
+    if (p->n * p->strip >= height) {
+        p->strip = p->strip < height ? p->strip : height;
+        p->n = (height + p->strip - 1) / p->strip;
     }
+    p->n_rows = p->n * p->strip < height ? p->n * p->strip : height;
+    p->height = height;
+}
+
+int lf_plan_strip(const lf_plan_pilot *p, int index, int *out_end)
+{
+    int first = index * p->strip;
+    if (p->n_rows < p->height)
+        first = (int)((2 * index + 1) * (int64_t)p->height / (2 * p->n)) - p->strip / 2;
+    first = first < 0 ? 0 : first;
+    *out_end = first + p->strip < p->height ? first + p->strip : p->height;
+    return first;
+}
+
+/* Fills the times of all rows from those of the strips' rows. */
+static void spread(const lf_plan_pilot *p, const double *row_cpu, double *out)
+{
+    int before = 0, end;
+    for (int row = 0; row < p->height; row++) {
+        const int first = lf_plan_strip(p, before, &end),
+                  after = before + 1 < p->n ? before + 1 : before;
+        const double middle = 0.5 * (first + end - 1);
+        const int next_first = lf_plan_strip(p, after, &end);
+        const double next = 0.5 * (next_first + end - 1),
+                     weight =
+                         next > middle ? fmin(fmax((row - middle) / (next - middle), 0), 1) : 0;
+        out[row] = (1 - weight) * row_cpu[before] + weight * row_cpu[after];
+        if (row >= next && after > before)
+            before = after;
+    }
+}
+
+/* The passes of all strips; adds their CPU seconds to *out_total, and those of a row of each strip
+ * to row_cpu. */
+static lf_status measure_strips(lf_rendering *r, const lf_plan_pilot *p, int64_t passes,
+                                double *row_cpu, double *out_total)
+{
+    const int64_t cycles = 2 * (int64_t)r->settings.camera.n_views;
+    lf_status status = LF_OK;
+    *out_total = 0;
+    for (int i = 0; i < p->n && status == LF_OK; i++) {
+        lf_part part = {0};
+        part.first_row = lf_plan_strip(p, i, &part.end_row);
+        const double start = lf_time_cpu();
+        for (int64_t left = passes; left > 0 && status == LF_OK; left -= cycles)
+            status = lf_renderer_passes(r->renderer, &part, left < cycles ? left : cycles, false,
+                                        NULL, NULL, r->cancel);
+        const double cpu = lf_time_cpu() - start;
+        row_cpu[i] += cpu / (part.end_row - part.first_row);
+        *out_total += cpu;
+    }
+    return status;
+}
+
+/* From the time of the pilot's passes to that of all: visits and paths cost time. */
+static double all_passes(const lf_renderer *renderer, int64_t all, const int64_t passes[2],
+                         const double cpu[2])
+{
+    const double n[2] = {(double)passes[0], (double)passes[1]}, whole = n[0] + n[1],
+                 v[2] = {(double)lf_renderer_visits(renderer, passes[0]),
+                         (double)lf_renderer_visits(renderer, passes[0] + passes[1])},
+                 visits[2] = {v[0], v[1] - v[0]}, det = visits[0] * n[1] - visits[1] * n[0];
+    if (passes[1] == 0)
+        return (double)all / whole;
+    const double visit = (cpu[0] * n[1] - cpu[1] * n[0]) / det,
+                 path = (cpu[1] * visits[0] - cpu[0] * visits[1]) / det;
+    if (!(visit >= 0 && path >= 0))
+        return (double)all / whole;
+    return (visit * (double)lf_renderer_visits(renderer, all) + path * (double)all) /
+           (cpu[0] + cpu[1]);
 }
 
 /* Measures the passes of one light field into row_cpu [height], in CPU seconds. */
-static lf_status measure_rows(lf_rendering *r, lf_plan *plan, double *row_cpu, lf_error *err)
+static lf_status measure_rows(lf_rendering *r, lf_plan *plan, lf_plan_pilot *p, double *row_cpu,
+                              lf_error *err)
 {
-    const pilot p = pilot_of(r, plan);
-    const int n_groups = (p.n + p.at_once - 1) / p.at_once;
-    double *group_cpu = lf_calloc((size_t)n_groups, sizeof *group_cpu);
-    lf_status status = group_cpu ? LF_OK : LF_E_NOMEM;
-    for (int i = 0; i < n_groups && status == LF_OK; i++) {
-        const int left = p.n - i * p.at_once, n = left < p.at_once ? left : p.at_once,
-                  first = p.first + i * p.at_once * p.step;
-        const lf_part part = {
-            .first_row = first, .end_row = first + (n - 1) * p.step + 1, .row_step = p.step};
-        const double start = lf_time_cpu();
-        status = lf_renderer_passes(r->renderer, &part, p.passes, false, NULL, NULL, r->cancel);
-        group_cpu[i] = (lf_time_cpu() - start) / n * ((double)plan->passes / (double)p.passes);
+    int64_t passes[2];
+    double total[2] = {0}, *strip_cpu = lf_calloc((size_t)p->n, sizeof *strip_cpu);
+    lf_status status = strip_cpu ? LF_OK : LF_E_NOMEM;
+    choose_passes(plan, p, r->settings.features, passes);
+    for (int i = 0; i < 2 && status == LF_OK; i++)
+        status = measure_strips(r, p, passes[i], strip_cpu, &total[i]);
+    if (status == LF_OK) {
+        const double scale = all_passes(r->renderer, plan->passes, passes, total) * plan->n_sums;
+        for (int i = 0; i < p->n; i++)
+            strip_cpu[i] *= scale;
+        spread(p, strip_cpu, row_cpu);
     }
-    if (status == LF_OK)
-        spread(&p, group_cpu, n_groups, plan->height, row_cpu);
-    lf_free(group_cpu);
-    plan->rows_measured = p.n;
+    lf_free(strip_cpu);
+    plan->rows_measured = p->n_rows;
     return status == LF_OK
                ? LF_OK
                : lf_error_set(err, status, r->arguments->out, "%s",
@@ -112,32 +149,44 @@ static lf_status measure_rows(lf_rendering *r, lf_plan *plan, double *row_cpu, l
 
 /* ------------------------------------------------------------------------------------- model -- */
 
-static int channels_of(const lf_rendering *r)
+/* The renderer of the light field of r, with what its first pass makes; *out_cpu: its time. The
+ * film is empty. */
+static lf_status begin(lf_rendering *r, double *out_cpu, double *out_memory, lf_error *err)
 {
-    const lf_options *o = &r->arguments->options;
-    return lf_layer_channels(o->guides ? LF_GUIDE_LAYERS : o->layers, NULL);
-}
-
-/* Memory of a light field's answer and files, besides its sums. */
-static double answer_bytes(const lf_rendering *r, const lf_plan *plan)
-{
-    const double pixels = (double)plan->n_views * plan->width * plan->height;
-    return pixels * (3 + channels_of(r)) * sizeof(float);
-}
-
-/* Renders a part of the light field of r and adds it to the model. */
-static lf_status add_sample(lf_rendering *r, lf_plan *plan, double field, lf_error *err)
-{
-    lf_plan_model *m = &plan->model;
-    lf_plan_sample *sample = &m->samples[m->n_samples];
-    const double start = process_cpu();
+    const lf_part part = {.end_row = lf_pool_threads(r->pool) < r->settings.height
+                                         ? lf_pool_threads(r->pool)
+                                         : r->settings.height};
+    const double start = lf_process_cpu();
+    lf_render_stats stats;
     lf_status status = r->renderer
                            ? lf_renderer_restart(r->renderer, r->scene, &r->settings, err)
                            : lf_renderer_create(r->scene, &r->settings, r->pool, &r->renderer, err);
-    *sample = (lf_plan_sample){.field = field, .begin_cpu = process_cpu() - start};
+    if (status != LF_OK)
+        return status;
+    status = lf_renderer_pass(r->renderer, &part, 1, NULL, NULL, r->cancel);
+    if (status != LF_OK)
+        return lf_error_set(err, status, r->arguments->out,
+                            "interrupted; the plan is not complete");
+    *out_cpu = lf_process_cpu() - start;
+    lf_renderer_stats(r->renderer, &stats);
+    *out_memory =
+        lf_process_memory() - (double)stats.film_bytes / r->settings.height * part.end_row;
+    return lf_renderer_restart(r->renderer, r->scene, &r->settings, err);
+}
+
+/* Renders a part of the light field of r and adds it to the model. */
+static lf_status add_sample(lf_rendering *r, lf_plan *plan, double field, lf_plan_pilot *pilot,
+                            lf_error *err)
+{
+    lf_plan_model *m = &plan->model;
+    lf_plan_sample *sample = &m->samples[m->n_samples];
+    double memory = 0;
+    *sample = (lf_plan_sample){.field = field};
+    lf_status status = begin(r, &sample->begin_cpu, &memory, err);
     if (status != LF_OK)
         return status;
     m->n_samples++;
+    m->base = fmax(m->base, memory);
     const double seconds = lf_rendering_budget(r).seconds;
     if (plan->passes == 0 && !(seconds > 0))
         return LF_OK;
@@ -146,31 +195,34 @@ static lf_status add_sample(lf_rendering *r, lf_plan *plan, double field, lf_err
         return lf_error_set(err, LF_E_NOMEM, r->arguments->out, "out of memory");
     for (int row = 0; row < plan->height; row++)
         sample->row_cpu[row] = seconds * lf_pool_threads(r->pool) / plan->height;
-    return plan->passes > 0 ? measure_rows(r, plan, sample->row_cpu, err) : LF_OK;
+    choose_rows(r, plan, pilot);
+    return plan->passes > 0 ? measure_rows(r, plan, pilot, sample->row_cpu, err) : LF_OK;
+}
+
+static void add_sums(const lf_rendering *r, lf_plan *plan)
+{
+    lf_render_stats stats;
+    lf_plan_model *m = &plan->model;
+    lf_renderer_stats(r->renderer, &stats);
+    plan->film_bytes = (double)stats.film_bytes;
+    m->row = plan->film_bytes / plan->height;
+    if (plan->n_parts > 0)
+        m->base += (lf_shared_renderers(plan->n_parts, plan->a_frame) - 1) * plan->film_bytes;
+    m->save_interval = LF_STATE_INTERVAL * lf_pool_threads(r->pool);
 }
 
 lf_status lf_plan_measure(lf_rendering *r, lf_plan *plan, lf_error *err)
 {
     lf_plan_model *m = &plan->model;
-    lf_render_stats stats;
+    lf_plan_pilot pilot = {0};
     m->height = plan->height;
-    m->load_cpu = process_cpu();
-    m->loading = process_peak();
-    lf_status status = add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), err);
+    m->load_cpu = lf_process_cpu();
+    m->loading = lf_process_peak();
+    lf_status status = add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), &pilot, err);
     if (status != LF_OK)
         return status;
-    lf_renderer_stats(r->renderer, &stats);
-    plan->film_bytes = (double)stats.film_bytes;
-    m->row = plan->film_bytes / plan->height;
-    m->base = process_memory() - m->row * plan->rows_measured;
-    if (plan->n_parts > 0)
-        m->base += (lf_shared_renderers(plan->n_parts, plan->a_frame) - 1) * plan->film_bytes;
-    m->answer = answer_bytes(r, plan);
-    m->save_interval = LF_STATE_INTERVAL * lf_pool_threads(r->pool);
-    m->join = m->base + plan->film_bytes + m->answer;
-    if (plan->job.is_joined)
-        m->join += (plan->job.last - plan->job.first) * m->answer;
-    return LF_OK;
+    add_sums(r, plan);
+    return lf_plan_measure_answer(r, plan, &pilot, err);
 }
 
 void lf_plan_model_finish(lf_plan_model *model)

@@ -135,7 +135,7 @@ static void print_program(const lf_rendering *r, const lf_plan *plan, const int 
     print_word(r->arguments->argv[0]);
     if (plan->option && fields[0] <= fields[1])
         printf(" %s %d:%d", plan->option, fields[0], fields[1]);
-    else if (plan->option && r->sequence.on)
+    else if (plan->option && r->sequence.on && !plan->job.is_closed)
         printf(" %s %d:%d", plan->option, plan->job.first, plan->job.last);
 }
 
@@ -217,6 +217,11 @@ static bool print_finish(const lf_rendering *r, const lf_plan *plan, const lf_pl
         print_words(join);
         json_decref(join);
         return join;
+    }
+    if (finish->closes) {
+        print_program(r, plan, finish->fields);
+        print_words(words);
+        return true;
     }
     char *state = state_of(plan, stem, all);
     if (!state || !print_merges(r, plan, finish->tasks, stem)) {

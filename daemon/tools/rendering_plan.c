@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "daemon/tools/plan.h"
+#include "daemon/tools/rendering_plate.h"
 #include "daemon/tools/rendering_shared.h"
 
 /* Frames per task that share parts of their shutters, in shutters, at least. */
@@ -14,6 +15,8 @@ static double files_bytes(const lf_rendering *r, int n_files_of)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_render_settings *s = &r->settings;
+    if (r->sequence.plate)
+        return lf_rendering_plate_bytes(r);
     const bool is_light = lf_output_is_light(a->kind, a->out);
     const double a_pixel = is_light ? 12 + 4.0 * lf_layer_channels(a->options.layers, NULL) : 3;
     if (!a->kind->surplus && a->kind != &lf_output_quilt && a->kind != &lf_output_still)
@@ -37,6 +40,7 @@ static void describe_fields(const lf_rendering *r, lf_plan *plan)
     job->has_fields = plan->option;
     job->is_joined = !r->sequence.on && plan->n_rows > 1;
     job->joins_files = r->sequence.on && r->arguments->kind == &lf_output_video;
+    job->is_closed = r->sequence.plate && r->arguments->hologram.all_rows;
 }
 
 /* Frames whose shutters overlap are rendered together. */
@@ -44,13 +48,15 @@ static void describe_shutters(const lf_rendering *r, lf_plan *plan)
 {
     const int fields = plan->job.last - plan->job.first + 1;
     plan->passes = lf_rendering_budget(r).passes;
+    plan->n_sums = r->sequence.on && !r->arguments->frames.of_rows ? plan->n_rows : 1;
     plan->job.group = 1;
     plan->job.again = 1;
     plan->n_parts = lf_shared_parts(r, &plan->a_frame);
     if (plan->n_parts == 0)
         return;
     if (plan->passes > 0)
-        plan->passes = lf_shared_budget(r, plan->n_parts).passes * plan->n_parts;
+        plan->passes = lf_shared_budget(r, plan->n_parts).passes;
+    plan->n_sums = plan->n_parts;
     plan->job.group = SHUTTERS_A_TASK * ((plan->n_parts - 1) / plan->a_frame + 1);
     plan->job.group = plan->job.group < fields ? plan->job.group : fields;
     plan->job.again = (double)plan->a_frame / plan->n_parts;
@@ -125,6 +131,8 @@ lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
     }
     if (status == LF_OK) {
         describe_parts(r, &plan);
+        if (r->sequence.plate)
+            plan.model.close = lf_rendering_plate_cost(r);
         status = divide_and_print(r, &plan, err);
     }
     lf_plan_division_finish(&plan.division);
