@@ -348,10 +348,8 @@ static lf_status make_folder(const char *path, lf_error *err)
         return lf_error_set(err, LF_E_ARG, path,
                             "has a character that schedulers replace (%%, backslash, line end); "
                             "choose another name");
-    if (mkdir(path, 0777) == 0)
-        return LF_OK;
-    return errno == EEXIST
-               ? lf_error_set(err, LF_E_EXISTS, path, "exists; choose a new folder for the job")
+    return mkdir(path, 0777) == 0 || errno == EEXIST /* with the scene, as plan has seen */
+               ? LF_OK
                : lf_error_set(err, LF_E_IO, path, "cannot be made: %s", lf_errno_text(errno));
 }
 

@@ -3,10 +3,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/farm_engine.h"
@@ -219,6 +221,21 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
     return status;
 }
 
+/* A folder that exists is taken if the scene is in it, and no job: quiltd writes the scene so. */
+static bool is_free(const char *folder, const char *scene)
+{
+    struct stat given, inside;
+    char *parent = lf_path_folder(scene), *job = lf_path_join(folder, "job.json");
+    const bool is_free =
+        access(folder, F_OK) != 0 ||
+        (parent && job && stat(folder, &given) == 0 && stat(parent, &inside) == 0 &&
+         given.st_dev == inside.st_dev && given.st_ino == inside.st_ino &&
+         access(scene, F_OK) == 0 && access(job, F_OK) != 0);
+    lf_free(parent);
+    lf_free(job);
+    return is_free;
+}
+
 lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
 {
     const char *name = c->options->engine ? c->options->engine : lf_farm_engine_name(0);
@@ -228,7 +245,7 @@ lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
     if (!c->words[0])
         return lf_error_set(err, LF_E_ARG, "plan",
                             "has nothing to render; pass it as -- SCENE -o OUT");
-    if (access(c->job, F_OK) == 0)
+    if (!is_free(c->job, c->words[0]))
         return lf_error_set(err, LF_E_EXISTS, c->job, "exists; choose a new folder for the job");
     if (!getcwd(folder, sizeof folder))
         return lf_error_set(err, LF_E_IO, ".", "the working folder has no name");
