@@ -344,8 +344,7 @@ static void the_plan_passes_words_on_and_tells_the_cost(void **state)
     says(folder, "cat job/tasks", 0, "/bin/quiltfarm task /");
 }
 
-/* -------------------------------------------------------------------------------------- slurm --
- */
+/* ------------------------------------------------------------------------------------- slurm -- */
 
 /* Runs shell words with programs of Slurm that are the test's own (tests/farm/fake-slurm). */
 static void slurm_says(const char *folder, const char *line, int code, const char *words)
