@@ -13,8 +13,8 @@
 #include "daemon/parts/farmed_internal.h"
 
 #define NAP_MS 20
-#define MOST_IDLE                                                                                  \
-    3 /* looks in a row at an interrupted job: a scheduler may be late with its list */
+/* Looks in a row at an interrupted job: a scheduler may be silent for a while. */
+#define MOST_IDLE 30
 enum { MOST_WORDS = LF_RENDER_WORDS + 16 };
 
 /* Hands a look to the event thread. */
