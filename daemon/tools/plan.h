@@ -11,6 +11,7 @@ typedef struct lf_plan {
     lf_plan_model model;
     lf_plan_division division;
     const char *option;   /* names light fields: "--camera-rows" or "--frames"; NULL: none */
+    bool is_plate;        /* of a hologram, whole: a last finish completes it */
     int n_parts, a_frame; /* of shared shutters; 0: frames are whole */
     int n_rows, n_views;  /* cameras of a light field, and pixels of a view */
     int width, height;
@@ -18,6 +19,7 @@ typedef struct lf_plan {
     int n_sums;         /* such films of a light field, one after the other */
     double film_bytes;  /* sums of one light field */
     double files_bytes; /* of all files, uncompressed; negative: unknown */
+    double least_fit;   /* memory that the fit of a denoised image needs whatever its size */
     int rows_measured;  /* 0: nothing was measured */
     char *frames;       /* names of frames to be joined, with a number field; NULL: none */
 } lf_plan;

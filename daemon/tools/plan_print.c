@@ -112,10 +112,10 @@ static void print_costs(const lf_rendering *r, const lf_plan *plan)
     if (d->n_tasks > 1)
         print_time("a task", most.cpu_seconds);
     print_time("all", all);
-    if (plan->rows_measured > 0)
-        printf("# measured on %d of %d image rows\n", plan->rows_measured, plan->height);
-    else if (lf_rendering_budget(r).seconds > 0)
+    if (lf_rendering_budget(r).seconds > 0)
         printf("# --time gives the time\n");
+    else
+        printf("# measured on %d of %d image rows\n", plan->rows_measured, plan->height);
 }
 
 /* The state of a task's rows; all: of the merged rows. The caller frees it. NULL = out of
@@ -135,7 +135,7 @@ static void print_program(const lf_rendering *r, const lf_plan *plan, const int 
     print_word(r->arguments->argv[0]);
     if (plan->option && fields[0] <= fields[1])
         printf(" %s %d:%d", plan->option, fields[0], fields[1]);
-    else if (plan->option && r->sequence.on)
+    else if (plan->option && r->sequence.on && !plan->is_plate)
         printf(" %s %d:%d", plan->option, plan->job.first, plan->job.last);
 }
 
@@ -217,6 +217,11 @@ static bool print_finish(const lf_rendering *r, const lf_plan *plan, const lf_pl
         print_words(join);
         json_decref(join);
         return join;
+    }
+    if (plan->is_plate && finish->fields[1] < finish->fields[0]) {
+        print_word(r->arguments->argv[0]);
+        print_words(words);
+        return true;
     }
     char *state = state_of(plan, stem, all);
     if (!state || !print_merges(r, plan, finish->tasks, stem)) {
