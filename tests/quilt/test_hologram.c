@@ -469,8 +469,7 @@ static void samples_are_encoded_as_the_page_says(void **state)
     lf_tone_destroy(tone);
 }
 
-/* ---------------------------------------------------------------------------- what can happen --
- */
+/* --------------------------------------------------------------------------- what can happen -- */
 
 /* The manifest's sums are those of sha256sum. */
 static void the_manifest_names_every_file(void **state)
