@@ -21,13 +21,17 @@ static size_t place_at(const char *c, int *out_digits)
     return 4;
 }
 
+int lf_frame_name_fields(const char *name)
+{
+    int digits, n = 0;
+    for (const char *c = name; *c; c++)
+        n += place_at(c, &digits) > 0;
+    return n;
+}
+
 bool lf_frame_name_varies(const char *name)
 {
-    int digits;
-    for (const char *c = name; *c; c++)
-        if (place_at(c, &digits) > 0)
-            return true;
-    return false;
+    return lf_frame_name_fields(name) > 0;
 }
 
 char *lf_frame_name(const char *name, int number)

@@ -7,6 +7,8 @@
 
 #include <stdbool.h>
 
+/* The number fields of a name. */
+int lf_frame_name_fields(const char *name);
 /* True if a name has a number field. */
 bool lf_frame_name_varies(const char *name);
 /* The name with number (>= 0) in all its fields; caller frees with lf_free. NULL = out of

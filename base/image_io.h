@@ -65,6 +65,11 @@ LF_NODISCARD lf_status lf_image8_read_on_white(int fd, const char *path, lf_imag
 LF_NODISCARD lf_status lf_image32_read_metadata(int fd, const char *path, lf_image32 *out,
                                                 lf_image_metadata *meta, lf_error *err);
 
+/* The size of a PNG file, from its chunks alone: no pixel is read. LF_E_STATE: not a PNG;
+ * LF_E_FORMAT: it has no size, or its end is missing; errors of lf_file_open. */
+LF_NODISCARD lf_status lf_png_measure(const char *path, const lf_roots *roots, int *out_width,
+                                      int *out_height, lf_error *err);
+
 /* A text attribute for an EXR header or a PNG tEXt chunk. */
 typedef struct lf_attribute {
     const char *name, *value;

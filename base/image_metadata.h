@@ -12,7 +12,7 @@ typedef enum lf_image_layout {
     LF_N_IMAGE_LAYOUTS
 } lf_image_layout;
 
-enum { LF_IMAGE_NOTES = 2048, LF_IMAGE_MAX_FOCAL = 5000 };
+enum { LF_IMAGE_NOTES = 2048, LF_IMAGE_MAX_FOCAL = 5000, LF_IMAGE_MAX_RATE = 1000 };
 
 /* Lines for people, each ended by a newline, without the file's name. Zeroed: none. */
 typedef struct lf_image_notes {
@@ -42,6 +42,8 @@ typedef struct lf_image_metadata {
                       * lf_image8_read_metadata */
     /* width / height of a pixel of the upright picture; 0: square */
     double pixel_aspect;
+    /* frames per second of the animation that quiltd rendered it of; 0: unknown */
+    double frame_rate;
     int focal_35mm; /* EXIF: focal length in mm, as if on film of 36 x 24 mm; 0: unknown */
     lf_image_depth depth;
     lf_image_notes notes;

@@ -118,7 +118,14 @@ static double distance_of(const walk *w)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Texts that quiltd writes into a picture with depth: its geometry. */
+static void take_rate(lf_image_metadata *meta, const char *text)
+{
+    double rate = 0;
+    if (lf_decimal_is(text, &rate) && rate > 0 && rate <= LF_IMAGE_MAX_RATE)
+        meta->frame_rate = rate;
+}
+
+/* Texts that quiltd writes: the geometry of a picture with depth, and the rate of its frames. */
 static void take_text(walk *w)
 {
     lf_image_depth *d = &w->source->meta->depth;
@@ -136,6 +143,8 @@ static void take_text(walk *w)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (strcmp(text, numbers[i].name) == 0 && !lf_decimal_is(value, numbers[i].to))
             *numbers[i].to = strcmp(value, "inf") == 0 ? (double)INFINITY : 0;
+    if (strcmp(text, "quiltd.fps") == 0)
+        take_rate(w->source->meta, value);
     if (strcmp(text, "quiltd.target") == 0)
         read_point(value, w->target);
     if (strcmp(text, "quiltd.position") == 0)
@@ -214,4 +223,54 @@ void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t s
         source->meta->depth = (lf_image_depth){0};
     note_colours(&w, profile, size);
     lf_free(w.data);
+}
+
+/* ------------------------------------------------------------------------------------- size -- */
+
+/* Finds the last chunk; the chunks before it may be cut off only with it. */
+static bool ends(const lf_image_source *source)
+{
+    uint8_t head[8], last[4];
+    uint64_t at = 8;
+    while (read_at(source, at, head, 8)) {
+        const uint64_t after = at + 8 + lf_be32(head);
+        if (!read_at(source, after, last, 4))
+            return false;
+        if (memcmp(head + 4, "IEND", 4) == 0)
+            return true;
+        at = after + 4;
+    }
+    return false;
+}
+
+static lf_status measure(const lf_image_source *source, int *out_width, int *out_height,
+                         lf_error *err)
+{
+    static const uint8_t begin[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    uint8_t head[24];
+    if (!read_at(source, 0, head, 8) || memcmp(head, begin, 8) != 0)
+        return lf_error_set(err, LF_E_STATE, source->where, "is not a PNG file");
+    const bool has_size = read_at(source, 8, head, 16) && memcmp(head + 4, "IHDR", 4) == 0;
+    const uint32_t width = has_size ? lf_be32(head + 8) : 0,
+                   height = has_size ? lf_be32(head + 12) : 0;
+    if (width < 1 || width > LF_IMAGE_MAX_SIDE || height < 1 || height > LF_IMAGE_MAX_SIDE)
+        return lf_error_set(err, LF_E_FORMAT, source->where, "PNG: no valid size");
+    if (!ends(source))
+        return lf_error_set(err, LF_E_FORMAT, source->where, "PNG: the file ends too early");
+    *out_width = (int)width;
+    *out_height = (int)height;
+    return LF_OK;
+}
+
+lf_status lf_png_measure(const char *path, const lf_roots *roots, int *out_width, int *out_height,
+                         lf_error *err)
+{
+    lf_image_source source = {.where = path};
+    lf_status status =
+        lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &source.fd, &source.size_bytes, err);
+    if (status != LF_OK)
+        return status;
+    status = measure(&source, out_width, out_height, err);
+    close(source.fd);
+    return status;
 }

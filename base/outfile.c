@@ -66,6 +66,13 @@ static char *temporary_name(const char *path)
     return joined;
 }
 
+/* Locks a writer's file. File systems of some clusters have no locks: then it is not needed,
+ * because nobody can take the file for one that was left. */
+static bool lock(int fd)
+{
+    return flock(fd, LOCK_EX | LOCK_NB) == 0 || errno == ENOSYS || errno == EOPNOTSUPP;
+}
+
 static void remove_if_dead(int folder, const char *name)
 {
     int fd = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -118,8 +125,7 @@ static lf_status open_named(lf_outfile *file, lf_error *err)
         if (!name)
             return lf_error_set(err, LF_E_NOMEM, file->path, "out of memory");
         int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0 && fstat(fd, &st) == 0 &&
-            st.st_nlink > 0) {
+        if (fd >= 0 && lock(fd) && fstat(fd, &st) == 0 && st.st_nlink > 0) {
             file->fd = fd;
             file->temporary = name;
             return LF_OK;
@@ -141,7 +147,7 @@ static lf_status open_temporary(lf_outfile *file, const char *folder, lf_error *
     if (fd < 0)
         return open_named(file, err);
     /* no other process can have it open; the lock is for later, when it gets a temporary name */
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    if (!lock(fd)) {
         close(fd);
         return open_named(file, err);
     }

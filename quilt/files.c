@@ -139,6 +139,7 @@ static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo 
         return status;
     const int width = p->width / l->columns, height = p->height / l->rows;
     q->is_float = p->data32;
+    q->frame_rate = p->meta.frame_rate;
     status = allocate_views(q, path, err);
     for (int view = 0; view < l->n_views && status == LF_OK; view++)
         take_view(q, view, p, view % l->columns * width,

@@ -74,6 +74,10 @@ size_t lf_plate_pixel_bytes(const lf_plate *plate);
 void lf_plate_encode(const lf_plate *plate, const lf_tone *tone, size_t n, const float *rgb,
                      uint8_t *out);
 
+/* True if pictures of cameras are files of the plate. */
+bool lf_plate_is_direct(const lf_plate *plate);
+/* Bytes of samples of a task. */
+uint64_t lf_plate_task_bytes(const lf_plate *plate);
 /* Tasks, 0 to rows * parts - 1, from the lowest row of cameras up. Each is rendered by itself and
  * has files of its own. Pictures of cameras are the plate's files if the form asks for them. If
  * not, or for one file, a task has one file rows/r%03d.raw until all tasks are there. */
@@ -105,8 +109,10 @@ LF_NODISCARD lf_status lf_plate_write_task(const lf_plate *plate, const char *fo
                                            const uint8_t *samples, const lf_plate_run *run,
                                            lf_error *err);
 /* Once all tasks are there: writes the other files of the plate, then manifest.json. The manifest
- * has the members of facts, the conventions of the plate, and all files with their SHA-256. Memory:
- * 256 MiB, or one row of pixels of every camera. LF_E_FORMAT: a file of a task is damaged. */
+ * has the members of facts, the conventions of the plate, and all files with their SHA-256. Memory
+ * (lf_plate_finish_memory): at most 256 MiB, or one row of pixels of every camera. LF_E_FORMAT: a
+ * file of a task is damaged. */
+size_t lf_plate_finish_memory(const lf_plate *plate);
 LF_NODISCARD lf_status lf_plate_finish(const lf_plate *plate, const char *folder,
                                        const json_t *facts, const lf_plate_run *run, lf_error *err);
 

@@ -226,6 +226,7 @@ extern const lf_param lf_picture_params[];
 typedef struct lf_quilt_file {
     lf_layout layout;
     bool is_float;
+    double frame_rate; /* as in lf_image_metadata, of a picture; 0: unknown */
     /* owned: the views in a column, view 0 first (may be taller than a picture); views8 points
      * here */
     lf_image8 image8;

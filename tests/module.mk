@@ -105,11 +105,18 @@ wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 # states that cannot be read now
 wrap_test_states := -Wl,--wrap=lf_renderer_restore
 
+# a file system without locks
+wrap_test_file_locks := -Wl,--wrap=flock,--wrap=access
+
+# many merges, none of which needs to be on a disk
+wrap_test_mutated_states := -Wl,--wrap=fsync
+
 # how often a state is saved
 wrap_test_job_state := -Wl,--wrap=lf_job_state_write
 # a pass that is stopped on its way into the film
 wrap_test_render_job := -Wl,--wrap=lf_film_merge
 wrap_test_state_kinds = $(wrap_test_job_state),--wrap=fsync
+wrap_test_state_faults = $(wrap_test_state_kinds),--wrap=lf_job_state_check,--wrap=lf_renderer_save
 
 # waiting that takes no time
 wrap_test_movie_player := -Wl,--wrap=lf_time_now_ns,--wrap=poll,--wrap=ppoll

@@ -291,7 +291,7 @@ def knows(program, option):
     return "unknown option" not in (answer := help_of(program, option + "=") or "") and "is ambiguous" not in answer
 
 
-FOREIGN = "podman|apptainer|sbatch|squeue|systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
+FOREIGN = "node|podman|apptainer|sbatch|squeue|systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe|nngcat"
 OF_OTHERS = re.compile(rf"\b(?:{FOREIGN})(?: [\w.@-]+)* --[a-z]\S*")
 OPTION = re.compile(r"(?<![\w/-])--[a-z][a-z0-9-]*(?<!-)")
 
@@ -300,14 +300,17 @@ def options_of(page):
     """(option, programs that may have it) of commands, and of code that begins with the option."""
     named = [p for p in PROGRAMS if re.search(rf"\b{p}\b", page.text)]
     own = [pathlib.Path(page.path).stem] if page.path.endswith(".1") else []
-    code = [*page.code, *re.findall(r"`([^`]+)`", page.text)]
+    # a fence has three backticks, after which pairs would be wrong
+    code = [*page.code, *re.findall(r"`([^`]+)`", re.sub(r"^```.*?^```", "", page.text, flags=re.M | re.S))]
     if own:
         text = OF_OTHERS.sub("", " ".join(page.paragraphs))
         code = [*page.code, *OPTION.findall(text)]
     for line in code:
         line = OF_OTHERS.sub("", re.split(r"\s#\s", line)[0])
+        # behind "--" quiltfarm takes words of quiltrender, or of the farm's program
+        line = re.sub(r"(quiltfarm (?:submit|resume) .*?)\s--\s.*", r"\1", re.sub(r"(quiltfarm plan .*?)\s--\s", r"\1 | quiltrender ", line))
         for found in OPTION.finditer(line):
-            before = re.findall(r"(?:^|[\s/|;&(])(quilt(?:d|ctl|render|sim|bench|web))(?=\s)", line[: found.start()])
+            before = re.findall(r"(?:^|[\s/|;&(])(quilt(?:d|ctl|render|sim|bench|web|print|merge|farm))(?=\s)", line[: found.start()])
             if before:
                 yield found.group(), before[-1:]
             elif line.lstrip().startswith("-") or own:

@@ -38,7 +38,9 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_BRICKS,    /* uint32_t: positions of bricks (lf_grid_put), ascending */
     LF_PARCEL_VALUES,    /* float: their values, LF_BRICK_STRIDE each */
     LF_PARCEL_OTHERS,    /* char: names of the file's other grids (render/scene/scene.h) */
-    LF_PARCEL_SHAPE,     /* int64_t: width, height, lf_image_layout, pixel aspect in millionths */
+    /* int64_t: width, height, lf_image_layout, pixel aspect in millionths, focal_35mm, frame rate
+     * in millionths */
+    LF_PARCEL_SHAPE,
     LF_PARCEL_PIXELS8,   /* uint8_t: [height][width][3], display encoded */
     LF_PARCEL_PIXELS32,  /* float: the same, linear; a picture has one of the two */
     LF_PARCEL_SPAN,      /* double: duration of an animation in seconds; absent: nothing moves */

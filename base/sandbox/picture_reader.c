@@ -8,9 +8,13 @@
 static lf_status put_metadata(lf_parcel_writer *parcel, int width, int height,
                               const lf_image_metadata *meta, lf_error *err)
 {
-    const int64_t shape[] = {width, height, meta->layout, llround(meta->pixel_aspect * 1e6),
-                             meta->focal_35mm};
-    lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 5, err);
+    const int64_t shape[] = {width,
+                             height,
+                             meta->layout,
+                             llround(meta->pixel_aspect * 1e6),
+                             meta->focal_35mm,
+                             llround(meta->frame_rate * 1e6)};
+    lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 6, err);
     if (status == LF_OK && lf_image_depth_is_valid(&meta->depth))
         status = lf_parcel_put(parcel, LF_PARCEL_DEPTH, &meta->depth, LF_IMAGE_DEPTH_NUMBERS, err);
     return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_WARNINGS, meta->notes.text,

@@ -39,7 +39,7 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
     const int64_t *shape = lf_parcel_get(&out->parcel, LF_PARCEL_SHAPE, &n);
     out->data8 = lf_parcel_get(&out->parcel, LF_PARCEL_PIXELS8, &n8);
     out->data32 = lf_parcel_get(&out->parcel, LF_PARCEL_PIXELS32, &n32);
-    if (n < 2 || n > 5 || !out->data8 == !out->data32 || shape[0] < 1 ||
+    if (n < 2 || n > 6 || !out->data8 == !out->data32 || shape[0] < 1 ||
         shape[0] > LF_IMAGE_MAX_SIDE || shape[1] < 1 || shape[1] > LF_IMAGE_MAX_SIDE ||
         (uint64_t)(3 * shape[0] * shape[1]) != n8 + n32)
         return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no image");
@@ -49,8 +49,10 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
         out->meta.layout = LF_IMAGE_CUBE;
     if (n >= 4 && shape[3] >= 10000 && shape[3] <= 100000000)
         out->meta.pixel_aspect = (double)shape[3] / 1e6;
-    if (n == 5 && shape[4] > 0 && shape[4] <= LF_IMAGE_MAX_FOCAL)
+    if (n >= 5 && shape[4] > 0 && shape[4] <= LF_IMAGE_MAX_FOCAL)
         out->meta.focal_35mm = (int)shape[4];
+    if (n == 6 && shape[5] > 0 && shape[5] <= LF_IMAGE_MAX_RATE * INT64_C(1000000))
+        out->meta.frame_rate = (double)shape[5] / 1e6;
     take_depth(out);
     const char *notes = lf_parcel_get(&out->parcel, LF_PARCEL_WARNINGS, &n_notes);
     lf_image_note_lines(&out->meta.notes, notes, n_notes);

@@ -15,6 +15,11 @@
 #define LOOK_MS 50
 #define MOST_OF_H264 4096
 #define LOOPS 2 /* repetitions in an MP4 loop, because not every player loops */
+/* The bytes of a video depend on the number of an encoder's threads, which it would choose by the
+ * processors of the machine. With these numbers, and without x265's note about the processor, every
+ * machine writes the same file. */
+#define THREADS_OF_H264 "8"
+#define THREADS_OF_H265 "frame-threads=3:pools=8"
 
 /* ----------------------------------------------------------------------------------- options -- */
 
@@ -160,33 +165,33 @@ static void put_filters(const lf_layout *layout, char *out, size_t size)
 
 static void add_mp4(lf_ffmpeg_words *w, const lf_video_options *o, const char *crf)
 {
-    const bool is_265 = o->codec == LF_CODEC_H265;
-    const char *const codec[] = {"-c:v",
-                                 is_265 ? "libx265" : "libx264",
-                                 "-tag:v",
-                                 is_265 ? "hvc1" : "avc1",
-                                 "-crf",
-                                 crf,
-                                 "-pix_fmt",
-                                 formats[o->is_444],
-                                 is_265 ? "-x265-params" : "-preset",
-                                 is_265 ? "log-level=error" : "medium",
-                                 "-color_range",
-                                 "tv",
-                                 "-colorspace",
-                                 "bt709",
-                                 "-color_primaries",
-                                 "bt709",
-                                 "-color_trc",
-                                 "bt709",
-                                 "-fflags",
-                                 "+bitexact",
-                                 "-movflags",
-                                 "+faststart",
-                                 "-f",
-                                 "mp4",
-                                 NULL};
-    lf_ffmpeg_add(w, codec);
+    static const char *const of_h264[] = {"-c:v",   "libx264",  "-tag:v",        "avc1", "-preset",
+                                          "medium", "-threads", THREADS_OF_H264, NULL};
+    static const char *const of_h265[] = {
+        "-c:v", "libx265",      "-tag:v",
+        "hvc1", "-x265-params", "log-level=error:info=0:" THREADS_OF_H265,
+        NULL};
+    const char *const both[] = {"-crf",
+                                crf,
+                                "-pix_fmt",
+                                formats[o->is_444],
+                                "-color_range",
+                                "tv",
+                                "-colorspace",
+                                "bt709",
+                                "-color_primaries",
+                                "bt709",
+                                "-color_trc",
+                                "bt709",
+                                "-fflags",
+                                "+bitexact",
+                                "-movflags",
+                                "+faststart",
+                                "-f",
+                                "mp4",
+                                NULL};
+    lf_ffmpeg_add(w, o->codec == LF_CODEC_H265 ? of_h265 : of_h264);
+    lf_ffmpeg_add(w, both);
 }
 
 static lf_status start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,

@@ -210,25 +210,31 @@ static lf_status look_at_all(lf_job_merging *j, lf_error *err)
 
 /* --------------------------------------------------------------------------------- all parts -- */
 
+/* Names the first copies, and counts the others. */
 static void tell_copies(const lf_job_merging *j)
 {
+    enum { NAMED = 3 };
     const char *const *parts = j->merge->parts;
+    int n = 0;
     for (int i = 0; i < j->merge->n_parts; i++) {
         const int original = lf_merging_copy_of(j->films, i);
-        if (original >= 0)
+        if (original >= 0 && n++ < NAMED)
             lf_log(LF_LOG_WARNING, "%s: has the same samples as %s; they count once", parts[i],
                    parts[original]);
     }
+    if (n > NAMED)
+        lf_log(LF_LOG_WARNING, "%d more parts have the same samples as others", n - NAMED);
 }
 
 static lf_status check_gaps(const lf_job_merging *j, lf_error *err)
 {
+    char rows[32];
     int first, last;
     if (!lf_merging_gap(j->films, 0, &first, &last) || j->merge->partial)
         return LF_OK;
     return lf_error_set(err, LF_E_STATE, j->merge->out,
-                        "no part has rows %d to %d; name all parts, or merge with --partial", first,
-                        last);
+                        "no part has %s; name all parts, or merge with --partial",
+                        lf_merging_rows_text(first, last, rows, sizeof rows));
 }
 
 /* All rows must have the same passes, unless quiltrender can give them the rest. */

@@ -6,13 +6,14 @@
  * All little-endian. The JSON is the head:
  *
  *     quiltd, scene, views, width, height, seed, integrator, denoise, reconstruct, hashes: what
- *     rows [first, last]   the image rows, inclusive, row 0 the first of the film
- *     stream               the random stream of the seed, 0 without --stream
- *     frame, camera_row, shutter_part   which light field of a sequence or grid; absent: the only
- *                          one. shutter_part: of the parts that begin in `frame`
- * (rendering_shared.h) budget               what the job asked for passes, seconds, cpu_seconds of
- * all runs complete             all rows have what was asked for parts, streams       of a merged
- * state: the number of files, and of random streams; absent: 1
+ *     rows [first, last]   image rows, inclusive, row 0 the first of the film
+ *     stream               random stream of the seed, 0 without --stream
+ *     frame, camera_row    which light field of a sequence or grid; absent: the only one
+ *     shutter_part         of the parts that begin in `frame` (rendering_shared.h); absent: none
+ *     budget               what the job asked for
+ *     passes, seconds, cpu_seconds   of all runs
+ *     complete             all rows have what was asked for
+ *     parts, streams       of a merged state: how many files and random streams; absent: 1
  *
  * A state of one stream can be continued, also if some of its rows have less than others. Thread:
  * one at a time. */

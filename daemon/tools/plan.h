@@ -11,7 +11,6 @@ typedef struct lf_plan {
     lf_plan_model model;
     lf_plan_division division;
     const char *option;   /* names light fields: "--camera-rows" or "--frames"; NULL: none */
-    bool is_plate;        /* of a hologram, whole: a last finish completes it */
     int n_parts, a_frame; /* of shared shutters; 0: frames are whole */
     int n_rows, n_views;  /* cameras of a light field, and pixels of a view */
     int width, height;

@@ -13,8 +13,6 @@
 
 /* Seconds per pixel of a frame that is encoded and decoded, of its video. */
 #define JOIN_CPU 2.5e-7
-/* The same for pictures of a plate that are read again and hashed. */
-#define PLATE_CPU 5e-8
 /* Bytes per pixel of a catcher's sums while a denoised image is made. */
 #define CAUGHT_BYTES 57
 
@@ -271,7 +269,7 @@ static void fill_model(const answer *a, lf_plan *plan, const double cpu[3])
     if (plan->job.is_joined)
         m->join += (plan->job.last - plan->job.first) * (image + writing);
     if (plan->job.joins_files)
-        m->join_cpu = (plan->is_plate ? PLATE_CPU : JOIN_CPU) * pixels;
+        m->join_cpu = JOIN_CPU * pixels;
 }
 
 lf_status lf_plan_measure_answer(lf_rendering *r, lf_plan *plan, const lf_plan_pilot *pilot,

@@ -106,6 +106,10 @@ static lf_plan_cost whole_cost(const division *d)
         cost.cpu_seconds -= saves_cpu(m, m->height, passes_cpu(d, field));
     if (knows_time(m) && (job->is_joined || job->joins_files))
         cost.cpu_seconds += n * m->join_cpu;
+    if (job->is_closed) {
+        cost.cpu_seconds += knows_time(m) ? m->close.cpu_seconds : 0;
+        cost.memory = fmax(cost.memory, m->base + m->close.memory);
+    }
     return cost;
 }
 
@@ -136,6 +140,13 @@ static lf_plan_cost join_cost(const division *d)
     const double a_field = m->join_cpu + (d->job->is_joined ? m->save_cpu * m->height : 0),
                  n = d->job->last - d->job->first + 1;
     return (lf_plan_cost){m->load_cpu + n * a_field, fmax(m->loading, m->join)};
+}
+
+static lf_plan_cost close_cost(const division *d)
+{
+    const lf_plan_model *m = d->model;
+    return (lf_plan_cost){m->load_cpu + m->close.cpu_seconds,
+                          fmax(m->loading, m->base + m->close.memory)};
 }
 
 /* Unknown times are within every limit. */
@@ -307,15 +318,22 @@ static lf_status divide(division *d, lf_error *err)
 {
     const lf_plan_job *job = d->job;
     lf_status status = LF_OK;
+    bool all_bands = false;
+    for (int field = job->first; field <= job->last && job->is_closed && !all_bands; field++)
+        all_bands = wants_bands(d, field);
     for (int field = job->first; field <= job->last && status == LF_OK;) {
-        const bool bands = wants_bands(d, field);
+        const bool bands = all_bands || (!job->is_closed && wants_bands(d, field));
         const int last = bands ? field : end_of_fields(d, field);
         status = bands ? add_bands(d, field, err) : add_fields(d, field, last, err);
         field = last + 1;
     }
     const lf_plan_finish finish = {
-        .fields = {0, -1}, .tasks = {0, d->out.n_tasks - 1}, .cost = join_cost(d)};
-    if (status == LF_OK && (job->is_joined || job->joins_files))
+        .fields = {0, -1},
+        .tasks = {0, d->out.n_tasks - 1},
+        .closes = job->is_closed,
+        .cost = job->is_closed ? close_cost(d) : join_cost(d),
+    };
+    if (status == LF_OK && (job->is_joined || job->joins_files || job->is_closed))
         status = add_finish(d, &finish, err);
     return status;
 }
@@ -333,7 +351,7 @@ static void forget_fields(lf_plan_division *out)
 static bool is_whole(const division *d, const lf_plan_cost *cost)
 {
     const lf_plan_job *job = d->job;
-    const bool is_one = job->is_joined || job->joins_files,
+    const bool is_one = job->is_joined || job->joins_files || job->is_closed,
                may_group = job->first == job->last || d->limits->cpu_seconds > 0;
     return job->is_whole || (is_one && may_group && knows_time(d->model) && fits(d, cost));
 }

@@ -37,6 +37,7 @@ typedef struct lf_plan_model {
     double row;           /* sums of an image row */
     double answer;        /* what a light field's answer and files need besides its sums */
     double join;          /* peak of the finish of a job of several light fields */
+    lf_plan_cost close;   /* of the last finish of a job that is closed */
 } lf_plan_model;
 
 /* What is to be divided. */
@@ -50,6 +51,9 @@ typedef struct lf_plan_job {
     bool is_joined;
     /* Tasks write files, which a finish joins, unless the job is one task. */
     bool joins_files;
+    /* After all files, one more finish makes files of them all, unless the job is one task. Either
+     * all light fields are in bands or none. */
+    bool is_closed;
     int group;    /* least light fields of a task, because neighbours share work; >= 1 */
     double again; /* share of a light field's passes that a neighbour in its task repeats */
 } lf_plan_job;
@@ -69,6 +73,7 @@ typedef struct lf_plan_task {
 typedef struct lf_plan_finish {
     int fields[2]; /* last < first: the whole job */
     int tasks[2];  /* indices */
+    bool closes;   /* it needs the finishes of its tasks, if they have some */
     lf_plan_cost cost;
 } lf_plan_finish;
 

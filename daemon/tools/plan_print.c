@@ -135,7 +135,7 @@ static void print_program(const lf_rendering *r, const lf_plan *plan, const int 
     print_word(r->arguments->argv[0]);
     if (plan->option && fields[0] <= fields[1])
         printf(" %s %d:%d", plan->option, fields[0], fields[1]);
-    else if (plan->option && r->sequence.on && !plan->is_plate)
+    else if (plan->option && r->sequence.on && !plan->job.is_closed)
         printf(" %s %d:%d", plan->option, plan->job.first, plan->job.last);
 }
 
@@ -218,8 +218,8 @@ static bool print_finish(const lf_rendering *r, const lf_plan *plan, const lf_pl
         json_decref(join);
         return join;
     }
-    if (plan->is_plate && finish->fields[1] < finish->fields[0]) {
-        print_word(r->arguments->argv[0]);
+    if (finish->closes) {
+        print_program(r, plan, finish->fields);
         print_words(words);
         return true;
     }

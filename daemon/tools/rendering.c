@@ -329,8 +329,8 @@ static json_t *record_picture(const lf_rendering *r)
     const lf_standing *standing = &a->options.standing;
     static const char *const of_depth[] = {"rgbd_in", "depth_inversion", "chroma_depth",
                                            "depthiness", "depth_cutoff"};
-    json_t *made = json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views,
-                             "aspect", r->layout.aspect);
+    json_t *made = json_pack("{s:s, s:i, s:f}", "scene", lf_rendering_input(r), "views",
+                             r->layout.n_views, "aspect", r->layout.aspect);
     const bool has_depth = r->rgbd.side != LF_RGBD_IN_AUTO;
     if (!has_depth && lf_standing_is_plain(standing))
         return made;
@@ -355,14 +355,20 @@ static json_t *record_picture(const lf_rendering *r)
 static json_t *make_record(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
+    const double rate = lf_rendering_rate(r);
+    json_t *made;
     if (!a->scene)
         return json_object();
     if (r->is_quilt)
-        return record_picture(r);
-    return lf_output_settings(
-        a->scene, &r->settings, lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
-        a->options.estimator, r->reconstructs,
-        (double)r->times.passes / lf_rendering_camera_rows(r), &r->film_settings);
+        made = record_picture(r);
+    else
+        made = lf_output_settings(
+            a->scene, &r->settings, lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
+            a->options.estimator, r->reconstructs,
+            (double)r->times.passes / lf_rendering_camera_rows(r), &r->film_settings);
+    if (made && rate > 0) /* for a video of these frames */
+        json_object_set_new(made, "fps", json_real(rate));
+    return made;
 }
 
 /* Determines the exposure of the picture; nothing for drawn outputs. */
@@ -402,6 +408,15 @@ static lf_status write_track(const lf_rendering *r, const lf_output_request *req
     return status == LF_OK ? lf_video_finish(r->video, err) : status;
 }
 
+/* A frame of the video: a quilt, or the middle view of finished pictures. */
+static lf_status add_frame(const lf_rendering *r, const lf_output_request *request,
+                           const lf_output_source *source, lf_error *err)
+{
+    const bool is_one = r->is_quilt && request->layout.n_views == 1;
+    return is_one ? lf_video_add_views(r->video, request, source, err)
+                  : lf_video_add(r->video, request, source, err);
+}
+
 static bool wants_check(const lf_rendering *r)
 {
     return lf_rendering_kind(r)->check_print &&
@@ -424,12 +439,14 @@ static lf_status check_print(lf_rendering *r, const lf_print_witness *witness, l
 lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    lf_output_source source = r->is_quilt ? lf_output_from_quilt(&r->quilt, a->scene)
+    lf_output_source source = r->is_quilt ? lf_output_from_quilt(&r->quilt, lf_rendering_input(r))
                                           : lf_output_from_film(&r->settings, r->film);
     const char *names[LF_MAX_LAYER_CHANNELS];
     lf_layers32 layers;
     lf_print_witness witness = {.n_rows = wants_check(r) ? WITNESS_ROWS : 0};
     source.reconstructed = !r->is_quilt && r->reconstructs;
+    if (a->frames.of_rows) /* dithers a row as among all rows */
+        source.first_view = r->sequence.frame * lf_camera_views(&r->settings.camera);
     if (r->is_quilt)
         source.aspect = r->layout.aspect;
     lf_status status = expose(r, &source, err);
@@ -471,7 +488,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     else if (r->sequence.plate)
         status = lf_rendering_plate_write(r, &request, &source, err);
     else
-        status = r->video ? lf_video_add(r->video, &request, &source, err)
+        status = r->video ? add_frame(r, &request, &source, err)
                           : lf_output_write(&request, &source, err);
     if (status == LF_OK && wants_check(r))
         status = check_print(r, &witness, err);
@@ -539,5 +556,6 @@ void lf_rendering_finish(lf_rendering *r)
     lf_free(r->film);
     lf_free(r->layers);
     lf_free(r->path);
+    lf_free(r->sequence.input);
     lf_free(r->state.path);
 }

@@ -15,6 +15,8 @@ typedef struct lf_sequence_state {
     int n_done, n_wanted; /* of the frames whose files did not exist at the start */
     double begun;         /* start of the first of them */
     lf_plate_job *plate;  /* --hologram (rendering_plate.h); NULL: none */
+    char *input;          /* owned: file of the current frame of finished pictures; NULL: none */
+    int width, height;    /* of the first of these files, in pixels */
 } lf_sequence_state;
 
 /* Between two saves of --state, seconds. */
@@ -86,6 +88,26 @@ LF_NODISCARD lf_status lf_rendering_open(lf_rendering *r, lf_error *err);
 /* lf_rendering_open for a picture with depth at this side: r->quilt gets its views, r->layout their
  * layout. LF_E_ARG; errors of lf_rgbd_file_open. */
 LF_NODISCARD lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err);
+/* The file that is read: arguments->scene, or that of the current frame of finished pictures. */
+const char *lf_rendering_input(const lf_rendering *r);
+/* lf_rendering_open for a finished quilt or folder of views. */
+LF_NODISCARD lf_status lf_rendering_open_picture(lf_rendering *r, lf_error *err);
+/* True if the input is named as a sequence of finished pictures, or nearly so. */
+bool lf_rendering_is_numbered(const lf_render_arguments *a);
+/* lf_rendering_open for such a sequence: opens the picture of the current frame. LF_E_ARG: the name
+ * has not one number field, or there are no frames; LF_E_FORMAT, LF_E_IO. */
+LF_NODISCARD lf_status lf_rendering_open_pictures(lf_rendering *r, lf_error *err);
+/* True if the input is a sequence of finished pictures, once it is open. */
+bool lf_rendering_of_pictures(const lf_rendering *r);
+/* Checks that the picture of a frame exists, ends properly and has the size of the first. */
+LF_NODISCARD lf_status lf_rendering_check_picture(const lf_rendering *r, int frame, lf_error *err);
+/* Reads the picture of the current frame in place of the one before. LF_E_FORMAT: it has other
+ * views than the first; errors of files name the frame. */
+LF_NODISCARD lf_status lf_rendering_take_picture(lf_rendering *r, lf_error *err);
+/* Adds the frame to an error in its files, and the frames before it as a remedy. */
+lf_status lf_rendering_tell_frame(int frame, int first, lf_error *err);
+/* Frames per second of the animation that the input shows; 0: unknown, or none. */
+double lf_rendering_rate(const lf_rendering *r);
 /* Sets r->print, with its number of views: of at most n_views_most. LF_E_ARG. */
 LF_NODISCARD lf_status lf_rendering_open_print(lf_rendering *r, int n_views_most, lf_error *err);
 /* The same for views that are yet to be made: any number of them. Refuses what is for flips. */

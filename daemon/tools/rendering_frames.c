@@ -15,7 +15,8 @@ static bool is_there(const lf_rendering *r)
     if (r->sequence.plate)
         return lf_rendering_plate_has(r, r->sequence.frame);
     const lf_output_kind *kind = lf_rendering_kind(r);
-    int n = lf_output_n_files(kind, &r->print, lf_camera_views(&r->settings.camera));
+    const int views = r->is_quilt ? r->layout.n_views : lf_camera_views(&r->settings.camera),
+              n = lf_output_n_files(kind, &r->print, views);
     bool there = true;
     for (int i = 0; i < n && there; i++) {
         char *file = lf_output_file_name(kind, r->path, i);
@@ -30,20 +31,18 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
 {
     r->sequence.frame = frame;
     lf_status status = lf_rendering_name(r, frame, err);
-    *out_kept = status == LF_OK && !r->arguments->frames.overwrite && !r->video &&
-                !lf_state_is_all(&r->arguments->state) && is_there(r);
+    *out_kept = status == LF_OK && !r->arguments->frames.overwrite &&
+                r->arguments->kind != &lf_output_video && !lf_state_is_all(&r->arguments->state) &&
+                is_there(r);
     return status;
 }
 
-/* Adds the frame to an error in its files. */
-static lf_status tell_frame(int frame, int first, lf_error *err)
+/* Checks the files of a frame. */
+static lf_status check_frame(const lf_rendering *r, int frame, lf_error *err)
 {
-    const lf_error was = *err;
-    char before[64] = "";
-    if (frame > first)
-        snprintf(before, sizeof before, "; use --frames %d:%d", first, frame - 1);
-    return lf_error_set_at(err, was.status, was.where, was.line, was.pointer, "frame %d: %s%s",
-                           frame, was.what, before);
+    if (lf_rendering_of_pictures(r))
+        return lf_rendering_check_picture(r, frame, err);
+    return r->arguments->frames.of_rows ? LF_OK : lf_scene_check_frame(r->scene, frame, err);
 }
 
 /* Counts and marks the frames to render: out_wanted[frame - first]. Also checks their files, so
@@ -55,9 +54,8 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     for (int frame = frames->first; frame <= frames->last; frame++) {
         bool kept;
         lf_status status = take_frame(r, frame, &kept, err);
-        if (status == LF_OK && !kept && !frames->of_rows &&
-            lf_scene_check_frame(r->scene, frame, err) != LF_OK)
-            status = tell_frame(frame, frames->first, err);
+        if (status == LF_OK && !kept && check_frame(r, frame, err) != LF_OK)
+            status = lf_rendering_tell_frame(frame, frames->first, err);
         if (status != LF_OK)
             return status;
         n_kept += kept;
@@ -103,6 +101,19 @@ static lf_status load_frame(lf_rendering *r, const lf_camera *camera, lf_error *
     return lf_rendering_resolve(r, err);
 }
 
+/* Writes a frame of finished pictures. */
+static lf_status take_picture(lf_rendering *r, lf_error *err)
+{
+    lf_rendering_show_frame(r, 0);
+    lf_status status = lf_rendering_take_picture(r, err);
+    if (status == LF_OK)
+        status = lf_rendering_check_outputs(r, err);
+    if (status == LF_OK)
+        status = lf_rendering_write(r, err);
+    r->sequence.n_done += status == LF_OK;
+    return status;
+}
+
 static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_camera *camera,
                             lf_error *err)
 {
@@ -128,9 +139,14 @@ static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_
 static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
 {
     const lf_frames *frames = &r->arguments->frames;
-    const lf_camera camera = *lf_scene_camera(r->scene);
-    lf_shared_frames *shared;
-    lf_status status = lf_shared_frames_create(r, wanted, &shared, err);
+    const bool of_pictures = lf_rendering_of_pictures(r);
+    lf_camera camera = {0};
+    lf_shared_frames *shared = NULL;
+    lf_status status = LF_OK;
+    if (!of_pictures) {
+        camera = *lf_scene_camera(r->scene);
+        status = lf_shared_frames_create(r, wanted, &shared, err);
+    }
     if (shared && lf_state_is_all(&r->arguments->state))
         status = lf_error_set(err, LF_E_ARG, r->arguments->state.has_rows ? "--rows" : "--stream",
                               "cannot be combined with shutters that frames share; render whole "
@@ -140,7 +156,7 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
         bool kept;
         status = take_frame(r, frame, &kept, err);
         if (status == LF_OK && !kept && wanted[frame - frames->first])
-            status = make_frame(r, shared, &camera, err);
+            status = of_pictures ? take_picture(r, err) : make_frame(r, shared, &camera, err);
     }
     r->gathered = NULL;
     lf_shared_frames_destroy(shared);
@@ -153,10 +169,10 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
     const lf_video_options options = lf_rendering_video_options(r);
     bool *wanted = lf_calloc((size_t)lf_frames_count(&a->frames), sizeof *wanted);
     lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
-    if (status == LF_OK && a->kind == &lf_output_video && !lf_state_is_all(&a->state))
-        status = lf_video_create(r->path, &r->layout, &options, r->cancel, &r->video, err);
     if (status == LF_OK)
         status = count_frames(r, wanted, err);
+    if (status == LF_OK && a->kind == &lf_output_video && !lf_state_is_all(&a->state))
+        status = lf_video_create(r->path, &r->layout, &options, r->cancel, &r->video, err);
     if (status == LF_OK)
         status = make_frames(r, wanted, err);
     if (status == LF_OK && r->video)

@@ -71,111 +71,6 @@ lf_status lf_rendering_open_made_print(lf_rendering *r, lf_error *err)
     return lf_rendering_open_print(r, is_micro ? MOST_GRID_VIEWS : LF_MAX_VIEWS, err);
 }
 
-/* The new layout of a finished light field: a folder has tiles and aspect only from options and
- * names. */
-static void lay_out_quilt(lf_rendering *r)
-{
-    const lf_render_arguments *a = r->arguments;
-    int columns = 0;
-    int rows = 0;
-    double aspect = 0;
-    bool stated = lf_layout_from_name(a->scene, &columns, &rows, &aspect) && aspect > 0;
-    r->layout = r->quilt.layout;
-    if (a->options.columns * a->options.rows >= r->layout.n_views) {
-        r->layout.columns = a->options.columns;
-        r->layout.rows = a->options.rows;
-    }
-    aspect = 0;
-    stated = stated || a->options.photo.aspect > 0;
-    if (!stated && lf_layout_from_name(a->out, &columns, &rows, &aspect) && aspect > 0)
-        r->layout.aspect = aspect;
-}
-
-/* Refuses an option for scenes. */
-static lf_status refuse_quilt(const lf_render_arguments *a, lf_error *err)
-{
-    char where[64];
-    if (a->kind->layers && lf_rgbd_side_of(&a->options.standing, a->scene) != LF_RGBD_IN_OFF)
-        return lf_error_set(err, LF_E_ARG, a->scene,
-                            "is a finished image, which has its depth; --rgbd needs a scene");
-    if (a->kind->layers)
-        return lf_error_set(err, LF_E_ARG, a->scene,
-                            "is a finished image without depth; --rgbd needs a scene");
-    snprintf(where, sizeof where, "--%s", a->render_option);
-    return lf_error_set(err, LF_E_ARG, where,
-                        "cannot be combined with a finished quilt, which is not rendered");
-}
-
-static lf_status refuse_depth(const lf_render_arguments *a, lf_error *err)
-{
-    char where[64];
-    snprintf(where, sizeof where, "--%s", a->depth.option);
-    return lf_error_set(err, LF_E_ARG, where,
-                        "needs an image with depth; add --rgbd-in SIDE, if it has one");
-}
-
-static lf_status open_quilt(lf_rendering *r, lf_error *err)
-{
-    const lf_render_arguments *a = r->arguments;
-    const lf_options *o = &a->options;
-    const lf_rgbd_in side = lf_rgbd_side_of(&o->standing, a->scene);
-    if (r->sequence.on)
-        return lf_error_set(err, LF_E_ARG, lf_frames_option(&a->frames),
-                            "cannot be combined with a finished quilt, which has no animation");
-    if (a->render_option || a->kind->layers)
-        return refuse_quilt(a, err);
-    if (side != LF_RGBD_IN_OFF)
-        return lf_rendering_open_rgbd(r, side, err);
-    if (a->depth.option)
-        return refuse_depth(a, err);
-    if (o->preset || o->view_width > 0)
-        return lf_error_set(
-            err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
-            "cannot be combined with a finished quilt; its name or --quilt gives the layout; "
-            "if the image has depth next to it, add --rgbd-in");
-    const bool is_still = a->kind == &lf_output_still ||
-                          (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
-               of_middle = is_still || a->kind == &lf_output_wiggle;
-    lf_photo photo = o->photo;
-    if (a->kind->needs_panel)
-        photo.frame = (double)r->calibration.screen_width_px / r->calibration.screen_height_px;
-    else if (a->kind->check_print)
-        photo.frame = a->print.width_mm / a->print.height_mm;
-    photo.on_paper = a->kind->check_print;
-    lf_status status =
-        lf_quilt_read_photo(a->scene, NULL, o->columns, o->rows, &photo, &r->quilt, err);
-    if (status != LF_OK)
-        return status;
-    if (a->kind->needs_panel)
-        lf_photo_cut(&photo, &r->quilt);
-    lf_standing standing = o->standing;
-    standing.on_paper = photo.on_paper;
-    status = lf_rgbd_stand(&standing, o->threads, a->scene, &r->quilt, err);
-    if (status != LF_OK)
-        return status;
-    lf_log_notes(&r->quilt.notes, a->scene);
-    r->is_quilt = true;
-    if (a->kind->check_print)
-        status = lf_rendering_open_print(r, r->quilt.layout.n_views, err);
-    else if (o->views > r->quilt.layout.n_views)
-        status = lf_error_set(err, LF_E_ARG, "--views", "asks for %d views, but the quilt has %d",
-                              o->views, r->quilt.layout.n_views);
-    else if (o->views > 0 && !of_middle)
-        r->quilt.layout.n_views = r->quilt.views8.n_views = r->quilt.views32.n_views = o->views;
-    if (status == LF_OK && o->has_exposure && !r->quilt.is_float)
-        status = lf_error_set(err, LF_E_ARG, "--exposure",
-                              "cannot be combined with a finished 8-bit image; use an EXR file");
-    if (status == LF_OK)
-        lay_out_quilt(r);
-    if (status == LF_OK && of_middle) { /* keeps all views; the kind selects those it writes */
-        r->layout.columns = r->layout.rows = 1;
-        r->layout.n_views = is_still       ? 1
-                            : o->views > 0 ? o->views
-                                           : lf_wiggle_views(r->layout.n_views);
-    }
-    return status;
-}
-
 /* Default number of views of a loop on an arc. */
 static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
 {
@@ -412,7 +307,7 @@ static lf_status check_manifest(const lf_output_kind *kind, const char *print, c
 lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    lf_status status = check_not_input(r->path, a->scene, err);
+    lf_status status = check_not_input(r->path, lf_rendering_input(r), err);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
     if (status == LF_OK && a->files)
@@ -446,7 +341,8 @@ bool lf_rendering_is_track(const lf_rendering *r)
 const lf_output_kind *lf_rendering_kind(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
-    const bool one = r->layout.n_views == 1 && a->options.columns == 0;
+    const bool one = r->layout.n_views == 1 &&
+                     (a->options.columns == 0 || (r->is_quilt && a->options.file.still));
     if (a->kind == &lf_output_video && (one || lf_rendering_is_track(r)))
         return &lf_output_track;
     return one && a->kind == &lf_output_quilt ? &lf_output_still : a->kind;
@@ -488,7 +384,9 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
 static lf_status check_exposure(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    lf_film_settings film = *lf_scene_film_settings(r->scene);
+    lf_film_settings film = {0};
+    if (r->scene)
+        film = *lf_scene_film_settings(r->scene);
     if (a->options.has_exposure)
         film = lf_exposed_film(&film, a->options.exposure);
     const bool is_light = a->kind == &lf_output_hologram
@@ -524,15 +422,22 @@ static lf_status check_wiggle(const lf_rendering *r, lf_error *err)
     return lf_error_set(err, LF_E_ARG, "--wiggle", "needs at least two views");
 }
 
+double lf_rendering_rate(const lf_rendering *r)
+{
+    if (r->arguments->frames.turntable > 0 || (r->scene && !lf_scene_has_frames(r->scene)))
+        return 0;
+    return r->scene ? lf_scene_rate(r->scene) : r->quilt.frame_rate;
+}
+
 lf_video_options lf_rendering_video_options(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
-    const bool is_animation = a->frames.has_range && a->frames.turntable == 0 && r->scene;
+    const double rate = lf_rendering_rate(r);
     lf_video_options options = a->video;
     if (options.wiggle && !a->has_fps)
         options.fps = lf_wiggle_fps(r->layout.n_views);
-    else if (is_animation && !a->has_fps)
-        options.fps = fmin(fmax(lf_scene_rate(r->scene), LF_VIDEO_LEAST_FPS), LF_VIDEO_MOST_FPS);
+    else if (rate > 0 && a->frames.has_range && !a->has_fps)
+        options.fps = fmin(fmax(rate, LF_VIDEO_LEAST_FPS), LF_VIDEO_MOST_FPS);
     if (options.wiggle && a->options.view_width == 0)
         options.most_width = LF_WIGGLE_WIDTH;
     return options;
@@ -600,8 +505,10 @@ static lf_status open_input(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, a->scene,
                             "is a video, which quiltd plays; take images from it with ffmpeg -i "
                             "FILE frame_%%04d.png");
+    if (lf_rendering_is_numbered(a))
+        return lf_rendering_open_pictures(r, err);
     if (a->depth.batch || lf_is_quilt(a->scene, NULL))
-        return open_quilt(r, err);
+        return lf_rendering_open_picture(r, err);
     lf_status status = check_image(a, err);
     return status == LF_OK ? open_scene(r, err) : status;
 }

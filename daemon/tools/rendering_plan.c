@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "daemon/output/hologram.h"
 #include "daemon/tools/plan.h"
+#include "daemon/tools/rendering_plate.h"
 #include "daemon/tools/rendering_shared.h"
 
 /* Frames per task that share parts of their shutters, in shutters, at least. */
@@ -15,6 +15,8 @@ static double files_bytes(const lf_rendering *r, int n_files_of)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_render_settings *s = &r->settings;
+    if (r->sequence.plate)
+        return lf_rendering_plate_bytes(r);
     const bool is_light = lf_output_is_light(a->kind, a->out);
     const double a_pixel = is_light ? 12 + 4.0 * lf_layer_channels(a->options.layers, NULL) : 3;
     if (!a->kind->surplus && a->kind != &lf_output_quilt && a->kind != &lf_output_still)
@@ -37,9 +39,8 @@ static void describe_fields(const lf_rendering *r, lf_plan *plan)
     }
     job->has_fields = plan->option;
     job->is_joined = !r->sequence.on && plan->n_rows > 1;
-    plan->is_plate = r->arguments->kind == &lf_output_hologram && r->arguments->hologram.all_rows;
-    job->joins_files = r->sequence.on && (r->arguments->kind == &lf_output_video ||
-                                          (plan->is_plate && job->first < job->last));
+    job->joins_files = r->sequence.on && r->arguments->kind == &lf_output_video;
+    job->is_closed = r->sequence.plate && r->arguments->hologram.all_rows;
 }
 
 /* Frames whose shutters overlap are rendered together. */
@@ -131,6 +132,8 @@ lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
     }
     if (status == LF_OK) {
         describe_parts(r, &plan);
+        if (r->sequence.plate)
+            plan.model.close = lf_rendering_plate_cost(r);
         status = divide_and_print(r, &plan, err);
     }
     lf_plan_division_finish(&plan.division);

@@ -9,6 +9,12 @@
 #include "daemon/output/content.h"
 #include "daemon/output/hologram.h"
 
+/* CPU seconds per byte of samples, measured (docs/lab/applications.md): hashing files, moving
+ * samples to their pictures, and writing these as PNG. */
+#define HASH_SECONDS 5e-9
+#define MOVE_SECONDS 5e-9
+#define FILE_SECONDS 5e-8
+
 struct lf_plate_job {
     lf_render_arguments arguments; /* those of the command line, with what the plate sets */
     lf_plate plate;
@@ -212,6 +218,23 @@ lf_status lf_rendering_plate_finish(lf_rendering *r, lf_error *err)
                job->is_finished ? "kept" : "wrote", r->path, n.hx, n.hy, n.u, n.v);
     }
     return status;
+}
+
+double lf_rendering_plate_bytes(const lf_rendering *r)
+{
+    const lf_plate *plate = &r->sequence.plate->plate;
+    const double rows = lf_frames_count(&r->arguments->frames);
+    return rows * (double)lf_plate_task_bytes(plate) * (lf_plate_is_direct(plate) ? 1 : 2);
+}
+
+lf_plan_cost lf_rendering_plate_cost(const lf_rendering *r)
+{
+    const lf_plate *plate = &r->sequence.plate->plate;
+    const double bytes = (double)lf_plate_task_bytes(plate) * lf_plate_tasks(plate);
+    if (lf_plate_is_direct(plate))
+        return (lf_plan_cost){bytes * HASH_SECONDS, 0};
+    const double a_byte = plate->form == LF_PLATE_RAW ? MOVE_SECONDS : MOVE_SECONDS + FILE_SECONDS;
+    return (lf_plan_cost){bytes * (HASH_SECONDS + a_byte), (double)lf_plate_finish_memory(plate)};
 }
 
 void lf_rendering_plate_close(lf_rendering *r)

@@ -3,6 +3,7 @@
 #ifndef LF_DAEMON_RENDERING_PLATE_H
 #define LF_DAEMON_RENDERING_PLATE_H
 
+#include "daemon/tools/plan_division.h"
 #include "daemon/tools/rendering.h"
 
 /* The steps of lf_rendering_open. Once the scene is loaded: without --camera-rows, the sequence is
@@ -27,6 +28,10 @@ LF_NODISCARD lf_status lf_rendering_plate_write(const lf_rendering *r,
                                                 const lf_output_source *source, lf_error *err);
 /* After the last row: without --camera-rows, writes what needs all rows, and the manifest. */
 LF_NODISCARD lf_status lf_rendering_plate_finish(lf_rendering *r, lf_error *err);
+/* For a plate only, for plans: bytes of all files of the planned rows, uncompressed; and what
+ * lf_rendering_plate_finish costs, besides the program and the scene. */
+double lf_rendering_plate_bytes(const lf_rendering *r);
+lf_plan_cost lf_rendering_plate_cost(const lf_rendering *r);
 /* Releases r->sequence.plate. */
 void lf_rendering_plate_close(lf_rendering *r);
 

@@ -54,7 +54,7 @@ static lf_status lay_out_print(lf_rendering *r, lf_rgbd_file *file, lf_layout *o
     r->print.parallax_lenses = shift; /* for the manifest */
     if (shift > 1)
         lf_log(
-            LF_LOG_WARNING, "%s: %s", a->scene,
+            LF_LOG_WARNING, "%s: %s", lf_rendering_input(r),
             lf_rgbd_print_words(&file->rgbd, o->standing.depthiness, shift, words, sizeof words));
     lf_print laid = r->print.frame_ppi > 0 ? lf_frame_set_print(&r->print) : r->print;
     laid.n_views = r->print.n_views;
@@ -78,20 +78,20 @@ lf_status lf_rendering_open_rgbd(lf_rendering *r, lf_rgbd_in side, lf_error *err
         photo.frame = a->print.width_mm / a->print.height_mm;
     else if (lf_options_preset(&a->options))
         photo.frame = lf_options_preset(&a->options)->layout.aspect;
-    lf_status status =
-        lf_rgbd_file_open(a->scene, NULL, &a->options.standing, side, &photo, &file, err);
+    lf_status status = lf_rgbd_file_open(lf_rendering_input(r), NULL, &a->options.standing, side,
+                                         &photo, &file, err);
     if (status != LF_OK)
         return status;
     lf_layout layout;
     status = (is_print ? lay_out_print : lay_out)(r, &file, &layout, err);
     if (status == LF_OK)
-        status = lf_rgbd_draw(&file, a->scene, &a->options, &layout, &r->quilt, err);
+        status = lf_rgbd_draw(&file, lf_rendering_input(r), &a->options, &layout, &r->quilt, err);
     lf_rgbd drawn = file.rgbd;
     drawn.side = side; /* of the file, not of the turned halves */
+    r->quilt.frame_rate = file.raster.meta.frame_rate;
     lf_rgbd_file_close(&file);
     if (status != LF_OK)
         return status;
-    lf_log_notes(&r->quilt.notes, a->scene);
     r->is_quilt = true;
     r->rgbd = drawn;
     r->layout = layout;

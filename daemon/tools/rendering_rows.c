@@ -38,7 +38,8 @@ lf_status lf_rendering_scene_row(const lf_rendering *r, lf_camera *out, lf_error
                             "the plate has one row of cameras; expected 0:0");
     if (!one && check_rows(r, camera, err) != LF_OK)
         return LF_E_ARG;
-    if (o->views > 0 || o->preset)
+    const bool own_views = one || r->arguments->hologram.options.preset;
+    if ((o->views > 0 && !own_views) || o->preset)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--views",
             "cannot be combined with --camera-rows, because the scene defines the rows");

@@ -4,8 +4,6 @@
 
 #include "quilt/holograms.h"
 
-/* True if pictures of cameras are files of the plate. */
-bool lf_plate_is_direct(const lf_plate *plate);
 /* The first camera of a task, and the number of its cameras. */
 int lf_plate_task_row(const lf_plate *plate, int task);
 int lf_plate_task_first(const lf_plate *plate, int task);
@@ -47,8 +45,7 @@ float lf_plate_half_value(uint16_t half);
 /* Headers of raw files: of the field, and of a task. */
 void lf_plate_field_header(const lf_plate *plate, uint8_t out[LF_PLATE_HEADER]);
 void lf_plate_task_header(const lf_plate *plate, int task, uint8_t out[LF_PLATE_HEADER]);
-/* Bytes of samples of a task, and of the field. */
-uint64_t lf_plate_task_bytes(const lf_plate *plate);
+/* Bytes of samples of the field. */
 uint64_t lf_plate_field_bytes(const lf_plate *plate);
 
 /* Opens the raw file of a task for reading. LF_E_IO; LF_E_FORMAT: another header or size. */

@@ -278,30 +278,49 @@ static int most(size_t bytes_each, int n)
     return fit < 1 ? 1 : fit < (size_t)n ? (int)fit : n;
 }
 
-static lf_status write_whole(const lf_plate *plate, const char *folder, int field,
-                             const lf_plate_run *run, lf_error *err)
+/* What is read at a time: cameras, or rows of pixels of all cameras. */
+typedef struct portion {
+    bool of_cameras;
+    size_t bytes; /* of each */
+    int n;        /* at a time */
+} portion;
+
+static portion portion_of(const lf_plate *plate)
 {
-    const bool of_cameras = plate->form == LF_PLATE_RAW && plate->camera_is_cell;
     const size_t camera = lf_plate_task_bytes(plate) / (size_t)lf_plate_task_cameras(plate),
                  row =
                      camera / (size_t)plate->height * (size_t)plate->rows * (size_t)plate->columns;
-    const int n =
-        of_cameras ? most(camera, lf_plate_task_cameras(plate)) : most(row, plate->height);
-    uint8_t *memory = lf_calloc(of_cameras ? camera : row, (size_t)n);
+    if (plate->form == LF_PLATE_RAW && plate->camera_is_cell)
+        return (portion){true, camera, most(camera, lf_plate_task_cameras(plate))};
+    return (portion){false, row, most(row, plate->height)};
+}
+
+size_t lf_plate_finish_memory(const lf_plate *plate)
+{
+    const portion read = portion_of(plate);
+    return lf_plate_is_direct(plate) ? 0 : read.bytes * (size_t)read.n;
+}
+
+static lf_status write_whole(const lf_plate *plate, const char *folder, int field,
+                             const lf_plate_run *run, lf_error *err)
+{
+    const portion read = portion_of(plate);
+    const size_t camera = lf_plate_task_bytes(plate) / (size_t)lf_plate_task_cameras(plate);
+    uint8_t *memory = lf_calloc(read.bytes, (size_t)read.n);
     picture_job job = {
         .plate = plate,
         .folder = folder,
         .from.camera_bytes = camera,
         .field = field,
-        .of_cameras = of_cameras,
-        .total = of_cameras ? plate->rows * plate->columns : plate->width * plate->height,
+        .of_cameras = read.of_cameras,
+        .total = read.of_cameras ? plate->rows * plate->columns : plate->width * plate->height,
         .run = run,
         .lock = PTHREAD_MUTEX_INITIALIZER,
     };
     const lf_status status =
-        !memory      ? lf_error_set(err, LF_E_NOMEM, folder, "out of memory for a row of cameras")
-        : of_cameras ? write_along(&job, memory, n, err)
-                     : write_across(&job, memory, n, err);
+        !memory ? lf_error_set(err, LF_E_NOMEM, folder, "out of memory for a row of cameras")
+        : read.of_cameras ? write_along(&job, memory, read.n, err)
+                          : write_across(&job, memory, read.n, err);
     lf_free(memory);
     return status;
 }

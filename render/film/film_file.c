@@ -8,37 +8,40 @@
 
 /* ------------------------------------------------------------------------------------- write -- */
 
-static lf_status write_row(const lf_film *film, int row, lf_outfile *file, lf_error *err)
+static lf_status write_row(const lf_film *film, int row, lf_outfile *file, uint32_t *heads,
+                           lf_error *err)
 {
     unsigned char head[LF_FILM_ROW_BYTES];
     lf_film_row_put((uint32_t)row, &film->rows[row], head);
     const lf_film_part whole = {"ROW ", head, sizeof head,
                                 film->data + (size_t)row * film->row_bytes,
                                 lf_film_used_bytes(&film->layout)};
-    return lf_film_part_write(file, &whole, err);
+    return lf_film_part_write(file, &whole, heads, err);
 }
 
 lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,
                         lf_error *err)
 {
-    lf_status status = lf_film_identity_write(file, film, err);
+    uint32_t heads = 0;
+    lf_status status = lf_film_identity_write(file, film, &heads, err);
     for (int i = 0; i < film->n_streams && status == LF_OK; i++)
-        status = lf_film_stream_write(file, &film->streams[i], film->height, err);
+        status = lf_film_stream_write(file, &film->streams[i], film->height, &heads, err);
     for (int row = 0; row < film->height && status == LF_OK; row++) {
         if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
             return lf_error_set(err, LF_E_CANCELLED, "state", "interrupted");
         if (lf_film_visited(film->rows[row].visits))
-            status = write_row(film, row, file, err);
+            status = write_row(film, row, file, &heads, err);
     }
-    return status == LF_OK ? lf_film_end_write(file, err) : status;
+    return status == LF_OK ? lf_film_end_write(file, heads, err) : status;
 }
 
 /* -------------------------------------------------------------------------------------- read -- */
 
-static lf_status read_empty(int fd, const lf_film *like, lf_film *out, lf_error *err)
+static lf_status read_empty(int fd, const lf_film *like, lf_film *out, uint32_t *heads,
+                            lf_error *err)
 {
     lf_film given = {0};
-    lf_status status = lf_film_identity_read(fd, &given, err);
+    lf_status status = lf_film_identity_read(fd, &given, heads, err);
     if (status != LF_OK)
         return status;
     const char *refusal = like ? lf_film_refusal(like, &given) : NULL;
@@ -103,7 +106,7 @@ static lf_status read_row(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], 
     return LF_OK;
 }
 
-static lf_status read_rest(int fd, lf_film *film, lf_error *err)
+static lf_status read_rest(int fd, lf_film *film, uint32_t heads, lf_error *err)
 {
     unsigned char head[LF_FILM_HEAD_BYTES];
     int row = -1;
@@ -114,9 +117,10 @@ static lf_status read_rest(int fd, lf_film *film, lf_error *err)
         else if (status == LF_OK && lf_film_part_is(head, "ROW "))
             status = read_row(fd, head, film, &row, err);
         else if (status == LF_OK)
-            return lf_film_end_read(fd, head, err);
+            return lf_film_end_read(fd, head, heads, err);
         if (status != LF_OK)
             return status;
+        lf_film_heads_add(&heads, head);
     }
 }
 
@@ -134,9 +138,10 @@ static bool rows_missing(const lf_film *film)
 lf_status lf_film_read(int fd, const lf_film *like, lf_film *out, lf_error *err)
 {
     lf_film film = {0};
-    lf_status status = read_empty(fd, like, &film, err);
+    uint32_t heads = 0;
+    lf_status status = read_empty(fd, like, &film, &heads, err);
     if (status == LF_OK)
-        status = read_rest(fd, &film, err);
+        status = read_rest(fd, &film, heads, err);
     if (status == LF_OK && rows_missing(&film))
         status = lf_error_set(err, LF_E_FORMAT, "state", "rows are missing");
     if (status != LF_OK) {
@@ -152,7 +157,8 @@ lf_status lf_film_look(int fd, lf_film_layout *out_layout, uint64_t *out_seed, l
     unsigned char head[LF_FILM_HEAD_BYTES];
     uint64_t seed = 0;
     lf_film given = {0};
-    lf_status status = lf_film_identity_read(fd, &given, err);
+    uint32_t ignored = 0;
+    lf_status status = lf_film_identity_read(fd, &given, &ignored, err);
     if (status == LF_OK)
         status = lf_film_part_next(fd, head, err);
     if (status == LF_OK && lf_film_part_is(head, "STRM"))
@@ -168,7 +174,8 @@ lf_status lf_film_count_rows(int fd, int *out_rows, lf_error *err)
 {
     unsigned char head[LF_FILM_HEAD_BYTES];
     lf_film given = {0};
-    lf_status status = lf_film_identity_read(fd, &given, err);
+    uint32_t ignored = 0;
+    lf_status status = lf_film_identity_read(fd, &given, &ignored, err);
     if (status != LF_OK)
         return status;
     const int height = given.layout.height;

@@ -8,7 +8,7 @@
  *     "STRM"  a random stream: u64 seed, u32 number, then per row f64 n[2], u32 visits[2]
  *     "ROW "  a visited row: u32 row, u32 met, f64 passes, f64 n[2], u32 visits[2],
  *             f64 coarse[2], then its 32-bit numbers as in film.h: half 0, half 1, known light
- *     "END "
+ *     "END "  u32 CRC-32 of the heads (name, checksum, size) of all parts before it
  *
  * All little-endian. Each part is its name, u32 CRC-32 (zlib's) of name, size and content, u64 size
  * of the content, the content. Streams are sorted by seed and number, rows by number. The bytes of
@@ -20,7 +20,7 @@
 
 #include "render/film/film.h"
 
-#define LF_FILM_VERSION 7
+#define LF_FILM_VERSION 8
 
 /* cancel (may be NULL) is checked once per row: LF_E_CANCELLED, and the caller must abandon the
  * file. */

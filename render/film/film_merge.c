@@ -242,15 +242,16 @@ static lf_status note_row(lf_merging_look *look, int number, const lf_film_row *
 static bool same_samples(const lf_film_row *row, int n_views)
 {
     const double of_samples = (row->n[0] + row->n[1]) * n_views;
-    return fabs(row->passes - of_samples) <= 1e-6 * of_samples;
+    return fabs(row->passes - of_samples) <= 1e-9 * of_samples;
 }
 
-/* Whether a row's samples are those of its streams. */
-static bool same_counts(const lf_film_row *row, const lf_film_counts *streams)
+/* Whether a row's samples are those of its streams: several may be added in another order. */
+static bool same_counts(const lf_film_row *row, const lf_film_counts *streams, int n_streams)
 {
+    const double most = n_streams == 1 ? 0.0 : 1e-9;
     for (int h = 0; h < 2; h++)
         if (row->visits[h] != streams->visits[h] ||
-            !(fabs(row->n[h] - streams->n[h]) <= 1e-6 * row->n[h]))
+            !(fabs(row->n[h] - streams->n[h]) <= most * row->n[h]))
             return false;
     return true;
 }
@@ -273,7 +274,8 @@ static lf_status look_at_row(lf_merging_look *look, lf_error *err)
         (look->found.n_rows > 0 && number <= (uint32_t)look->found.last_row))
         return damaged(err, "its rows are not in order");
     if (!lf_film_row_possible(&row) || !lf_film_visited(row.visits) ||
-        !same_counts(&row, &look->counts[number]) || !same_samples(&row, layout->n_views))
+        !same_counts(&row, &look->counts[number], source->n_streams) ||
+        !same_samples(&row, layout->n_views))
         return lf_error_set(err, LF_E_FORMAT, "state", "row %u has invalid counts", number);
     if (look->found.n_rows == 0)
         source->rows_at = lseek(look->fd, 0, SEEK_CUR) - (off_t)(LF_FILM_HEAD_BYTES + sizeof bytes);
@@ -285,7 +287,7 @@ static lf_status look_at_row(lf_merging_look *look, lf_error *err)
     return note_row(look, (int)number, &row, err);
 }
 
-static lf_status look_at_parts(lf_merging_look *look, lf_error *err)
+static lf_status look_at_parts(lf_merging_look *look, uint32_t heads, lf_error *err)
 {
     for (;;) {
         lf_status status = lf_film_part_next(look->fd, look->head, err);
@@ -294,9 +296,10 @@ static lf_status look_at_parts(lf_merging_look *look, lf_error *err)
         else if (status == LF_OK && lf_film_part_is(look->head, "ROW "))
             status = look_at_row(look, err);
         else if (status == LF_OK)
-            status = lf_film_end_read(look->fd, look->head, err);
-        if (status != LF_OK || lf_film_part_is(look->head, "END "))
+            return lf_film_end_read(look->fd, look->head, heads, err);
+        if (status != LF_OK)
             return status;
+        lf_film_heads_add(&heads, look->head);
     }
 }
 
@@ -345,7 +348,8 @@ static lf_status look_at(lf_merging_look *look, lf_error *err)
 {
     lf_merging *m = look->m;
     lf_film given = {0};
-    lf_status status = lf_film_identity_read(look->fd, &given, err);
+    uint32_t heads = 0;
+    lf_status status = lf_film_identity_read(look->fd, &given, &heads, err);
     if (status == LF_OK)
         status = check_image(m, &given, err);
     if (status != LF_OK)
@@ -356,7 +360,7 @@ static lf_status look_at(lf_merging_look *look, lf_error *err)
     look->counts = lf_calloc((size_t)layout->height, sizeof *look->counts);
     if (!look->counts)
         return no_memory(err);
-    status = look_at_parts(look, err);
+    status = look_at_parts(look, heads, err);
     if (status == LF_OK)
         status = check_rows(look, err);
     lf_free(look->counts);

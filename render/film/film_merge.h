@@ -64,6 +64,9 @@ int lf_merging_holder(const lf_merging *merging, int row);
 /* The first rows that no file has, inclusive, from row `from` on; false: none. */
 bool lf_merging_gap(const lf_merging *merging, int from, int *out_first, int *out_last);
 
+/* "row 3" or "rows 3 to 5"; returns buf. */
+const char *lf_merging_rows_text(int first, int last, char *buf, size_t size);
+
 /* Called between 0 and 1 while rows are written. */
 typedef void (*lf_merging_fn)(void *context, double done);
 

@@ -1,4 +1,5 @@
 /* Between the passes: the order of the files, copies among them, and which rows they have. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -125,9 +126,11 @@ static lf_status refuse_twice(const lf_merging *m, const lf_merging_stream *s, i
     while (last + 1 < m->like.layout.height && m->owner[last + 1] == owner &&
            lf_film_visited(m->counts[last + 1].visits))
         last++;
+    char rows[32];
     return lf_error_set(err, LF_E_STATE, lf_merging_source_at(m, s->file)->path,
-                        "has rows %d to %d of seed %llu, stream %u, and so has %s; leave one out",
-                        row, last, (unsigned long long)s->seed, s->number,
+                        "has %s of seed %llu, stream %u, and so has %s; leave one out",
+                        lf_merging_rows_text(row, last, rows, sizeof rows),
+                        (unsigned long long)s->seed, s->number,
                         lf_merging_source_at(m, owner)->path);
 }
 
@@ -279,6 +282,15 @@ int lf_merging_holder(const lf_merging *m, int row)
         }
     }
     return -1;
+}
+
+const char *lf_merging_rows_text(int first, int last, char *buf, size_t size)
+{
+    if (first == last)
+        snprintf(buf, size, "row %d", first);
+    else
+        snprintf(buf, size, "rows %d to %d", first, last);
+    return buf;
 }
 
 bool lf_merging_gap(const lf_merging *m, int from, int *out_first, int *out_last)

@@ -54,6 +54,7 @@ struct lf_merging {
     bool *whole;                  /* [height] any visit is not coarse */
     lf_film_counts *counts, *sum; /* [height] room for streams */
     int *owner;                   /* [height] room */
+    uint32_t heads;               /* of what is written (film_part.h) */
     int fd, open;                 /* the file that is open, and its number; -1: none */
 };
 

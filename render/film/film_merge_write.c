@@ -123,14 +123,15 @@ static lf_status read_file(lf_merging *m, int file, lf_merging_block *block, lf_
 
 /* ------------------------------------------------------------------------------------- write -- */
 
-static lf_status write_row(const lf_merging *m, const lf_merging_block *block, int row,
-                           lf_outfile *file, lf_error *err)
+static lf_status write_row(lf_merging *m, const lf_merging_block *block, int row, lf_outfile *file,
+                           lf_error *err)
 {
     const int at = row - block->first;
     unsigned char *head = block->heads[at], *made = head + LF_FILM_HEAD_BYTES,
                   *bulk = block->film.data + (size_t)at * block->film.row_bytes;
     const size_t n = lf_film_used_bytes(&block->film.layout);
     if (m->n_holders[row] == 1) {
+        lf_film_heads_add(&m->heads, head);
         lf_status status = lf_outfile_write(file, head, sizeof *block->heads, err);
         return status == LF_OK ? lf_outfile_write(file, bulk, n, err) : status;
     }
@@ -140,7 +141,8 @@ static lf_status write_row(const lf_merging *m, const lf_merging_block *block, i
         return lf_error_set(err, LF_E_STATE, "merge", "row %d of the sum has too many samples",
                             row);
     lf_film_row_put((uint32_t)row, &block->film.rows[at], made);
-    return lf_film_part_write(file, &(lf_film_part){"ROW ", made, LF_FILM_ROW_BYTES, bulk, n}, err);
+    const lf_film_part part = {"ROW ", made, LF_FILM_ROW_BYTES, bulk, n};
+    return lf_film_part_write(file, &part, &m->heads, err);
 }
 
 static lf_status do_block(lf_merging *m, lf_merging_block *block, lf_outfile *file, lf_error *err)
@@ -198,7 +200,7 @@ static lf_status write_stream(lf_merging *m, int from, int to, lf_outfile *file,
                 m->sum[row] = m->counts[row];
     }
     const lf_film_stream whole = {first->seed, first->number, m->sum};
-    return lf_film_stream_write(file, &whole, height, err);
+    return lf_film_stream_write(file, &whole, height, &m->heads, err);
 }
 
 /* What was merged is what was looked at. */
@@ -216,7 +218,8 @@ static lf_status check_digests(const lf_merging *m, lf_error *err)
 lf_status lf_merging_write(lf_merging *m, lf_outfile *file, lf_merging_fn progress, void *context,
                            const lf_cancel *cancel, lf_error *err)
 {
-    lf_status status = lf_film_identity_write(file, &m->like, err);
+    m->heads = 0;
+    lf_status status = lf_film_identity_write(file, &m->like, &m->heads, err);
     for (int from = 0, to; from < m->n_sorted && status == LF_OK; from = to) {
         to = lf_merging_group_end(m, from);
         status = write_stream(m, from, to, file, err);
@@ -225,5 +228,5 @@ lf_status lf_merging_write(lf_merging *m, lf_outfile *file, lf_merging_fn progre
         status = write_rows(m, file, progress, context, cancel, err);
     if (status == LF_OK)
         status = check_digests(m, err);
-    return status == LF_OK ? lf_film_end_write(file, err) : status;
+    return status == LF_OK ? lf_film_end_write(file, m->heads, err) : status;
 }

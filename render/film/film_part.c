@@ -83,12 +83,19 @@ static uint32_t checksum(const lf_film_part *part, const unsigned char size[8])
     return (uint32_t)(part->n_bulk > 0 ? crc32_z(crc, part->bulk, part->n_bulk) : crc);
 }
 
-lf_status lf_film_part_write(lf_outfile *file, const lf_film_part *part, lf_error *err)
+void lf_film_heads_add(uint32_t *heads, const unsigned char head[LF_FILM_HEAD_BYTES])
+{
+    *heads = (uint32_t)crc32_z(*heads, head, LF_FILM_HEAD_BYTES);
+}
+
+lf_status lf_film_part_write(lf_outfile *file, const lf_film_part *part, uint32_t *heads,
+                             lf_error *err)
 {
     unsigned char head[LF_FILM_HEAD_BYTES], *size = head + 8;
     put_u64(&(cursor){size}, part->n_made + part->n_bulk);
     memcpy(head, part->name, 4);
     put_u32(&(cursor){head + 4}, checksum(part, size));
+    lf_film_heads_add(heads, head);
     lf_status status = lf_outfile_write(file, head, sizeof head, err);
     if (status == LF_OK && part->n_made > 0)
         status = lf_outfile_write(file, part->made, part->n_made, err);
@@ -145,10 +152,12 @@ lf_status lf_film_part_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES]
     return status;
 }
 
-static lf_status read_next(int fd, const lf_film_part *part, lf_error *err)
+static lf_status read_next(int fd, const lf_film_part *part, uint32_t *heads, lf_error *err)
 {
     unsigned char head[LF_FILM_HEAD_BYTES];
     lf_status status = lf_film_part_next(fd, head, err);
+    if (status == LF_OK)
+        lf_film_heads_add(heads, head);
     return status == LF_OK ? lf_film_part_read(fd, head, part, err) : status;
 }
 
@@ -170,7 +179,8 @@ static void put_layout(const lf_film *film, cursor c)
     }
 }
 
-lf_status lf_film_identity_write(lf_outfile *file, const lf_film *film, lf_error *err)
+lf_status lf_film_identity_write(lf_outfile *file, const lf_film *film, uint32_t *heads,
+                                 lf_error *err)
 {
     unsigned char start[LF_FILM_START_BYTES], picture[LF_PICTURE_BYTES], layout[LAYOUT_BYTES];
     memcpy(start, magic, sizeof magic);
@@ -181,7 +191,7 @@ lf_status lf_film_identity_write(lf_outfile *file, const lf_film *film, lf_error
                                   {.name = "LAYO", .made = layout, .n_made = sizeof layout}};
     lf_status status = lf_outfile_write(file, start, sizeof start, err);
     for (int i = 0; i < 2 && status == LF_OK; i++)
-        status = lf_film_part_write(file, &parts[i], err);
+        status = lf_film_part_write(file, &parts[i], heads, err);
     return status;
 }
 
@@ -223,7 +233,7 @@ static bool get_layout(reading c, lf_film_layout *out, float sky[3])
            (out->has_native || !out->has_delta) && (out->has_features || !out->has_albedo);
 }
 
-lf_status lf_film_identity_read(int fd, lf_film *out, lf_error *err)
+lf_status lf_film_identity_read(int fd, lf_film *out, uint32_t *heads, lf_error *err)
 {
     unsigned char layout_bytes[LAYOUT_BYTES];
     const lf_film_part parts[] = {
@@ -231,7 +241,7 @@ lf_status lf_film_identity_read(int fd, lf_film *out, lf_error *err)
         {.name = "LAYO", .made = layout_bytes, .n_made = sizeof layout_bytes}};
     lf_status status = read_start(fd, err);
     for (int i = 0; i < 2 && status == LF_OK; i++)
-        status = read_next(fd, &parts[i], err);
+        status = read_next(fd, &parts[i], heads, err);
     if (status == LF_OK && !get_layout((reading){layout_bytes}, &out->layout, out->sky))
         return lf_error_set(err, LF_E_FORMAT, "state", "its layout is invalid");
     return status;
@@ -263,7 +273,7 @@ size_t lf_film_stream_bytes(int height)
 }
 
 lf_status lf_film_stream_write(lf_outfile *file, const lf_film_stream *stream, int height,
-                               lf_error *err)
+                               uint32_t *heads, lf_error *err)
 {
     uint64_t visits = 0;
     lf_film_part whole = {.name = "STRM", .n_made = lf_film_stream_bytes(height)};
@@ -277,7 +287,7 @@ lf_status lf_film_stream_write(lf_outfile *file, const lf_film_stream *stream, i
         put_counts(&c, &stream->rows[row]);
         visits += (uint64_t)stream->rows[row].visits[0] + stream->rows[row].visits[1];
     }
-    lf_status status = visits > 0 ? lf_film_part_write(file, &whole, err) : LF_OK;
+    lf_status status = visits > 0 ? lf_film_part_write(file, &whole, heads, err) : LF_OK;
     lf_free(whole.made);
     return status;
 }
@@ -330,15 +340,23 @@ lf_film_row lf_film_row_get(const unsigned char bytes[LF_FILM_ROW_BYTES], uint32
     return row;
 }
 
-lf_status lf_film_end_write(lf_outfile *file, lf_error *err)
+lf_status lf_film_end_write(lf_outfile *file, uint32_t heads, lf_error *err)
 {
-    return lf_film_part_write(file, &(lf_film_part){.name = "END "}, err);
+    unsigned char of_all[4];
+    put_u32(&(cursor){of_all}, heads);
+    const lf_film_part end = {.name = "END ", .made = of_all, .n_made = sizeof of_all};
+    return lf_film_part_write(file, &end, &heads, err);
 }
 
-lf_status lf_film_end_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], lf_error *err)
+lf_status lf_film_end_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], uint32_t heads,
+                           lf_error *err)
 {
+    unsigned char of_all[4];
     char more;
-    lf_status status = lf_film_part_read(fd, head, &(lf_film_part){.name = "END "}, err);
+    const lf_film_part end = {.name = "END ", .made = of_all, .n_made = sizeof of_all};
+    lf_status status = lf_film_part_read(fd, head, &end, err);
+    if (status == LF_OK && get_u32(&(reading){of_all}) != heads)
+        return lf_error_set(err, LF_E_FORMAT, "state", "its parts do not belong together");
     return status != LF_OK || read(fd, &more, 1) == 0
                ? status
                : lf_error_set(err, LF_E_FORMAT, "state", "the file has data after its end");

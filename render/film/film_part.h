@@ -1,5 +1,8 @@
 /* The parts of a film's file (film_file.h), read and written one by one; private to render/film/.
  *
+ * heads: CRC-32 of the heads of all parts so far, from 0. The end of a file has it, so that parts
+ * of other files are noticed.
+ *
  * Functions read from the position of fd. Errors are about "state", for the caller to name the
  * file: LF_E_IO, LF_E_FORMAT (truncated or changed), LF_E_STATE (another version). */
 #ifndef LF_RENDER_FILM_PART_H
@@ -23,7 +26,8 @@ typedef struct lf_film_part {
 } lf_film_part;
 
 LF_NODISCARD lf_status lf_film_part_write(lf_outfile *file, const lf_film_part *part,
-                                          lf_error *err);
+                                          uint32_t *heads, lf_error *err);
+void lf_film_heads_add(uint32_t *heads, const unsigned char head[LF_FILM_HEAD_BYTES]);
 /* Reads the head of the next part. */
 LF_NODISCARD lf_status lf_film_part_next(int fd, unsigned char head[LF_FILM_HEAD_BYTES],
                                          lf_error *err);
@@ -36,12 +40,13 @@ LF_NODISCARD lf_status lf_film_part_read(int fd, const unsigned char head[LF_FIL
 LF_NODISCARD lf_status lf_film_bytes_read(int fd, void *data, size_t n, lf_error *err);
 
 /* Start, identity and layout. Reads and writes only picture, layout and sky of the film. */
-LF_NODISCARD lf_status lf_film_identity_write(lf_outfile *file, const lf_film *film, lf_error *err);
-LF_NODISCARD lf_status lf_film_identity_read(int fd, lf_film *out, lf_error *err);
+LF_NODISCARD lf_status lf_film_identity_write(lf_outfile *file, const lf_film *film,
+                                              uint32_t *heads, lf_error *err);
+LF_NODISCARD lf_status lf_film_identity_read(int fd, lf_film *out, uint32_t *heads, lf_error *err);
 
 /* One random stream; rows are [height]. Nothing is written of a stream without visits. */
 LF_NODISCARD lf_status lf_film_stream_write(lf_outfile *file, const lf_film_stream *stream,
-                                            int height, lf_error *err);
+                                            int height, uint32_t *heads, lf_error *err);
 /* Reads a stream whose part's head has been read, into out->rows [height]. Refuses counts that no
  * visits lead to. */
 LF_NODISCARD lf_status lf_film_stream_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES],
@@ -54,9 +59,9 @@ void lf_film_row_put(uint32_t number, const lf_film_row *row, unsigned char out[
 /* Any bytes are accepted: see lf_film_row_possible. */
 lf_film_row lf_film_row_get(const unsigned char bytes[LF_FILM_ROW_BYTES], uint32_t *out_number);
 
-LF_NODISCARD lf_status lf_film_end_write(lf_outfile *file, lf_error *err);
-/* Reads the end, whose head has been read; nothing may follow it. */
+LF_NODISCARD lf_status lf_film_end_write(lf_outfile *file, uint32_t heads, lf_error *err);
+/* Reads the end, whose head has been read and is not in `heads`; nothing may follow it. */
 LF_NODISCARD lf_status lf_film_end_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTES],
-                                        lf_error *err);
+                                        uint32_t heads, lf_error *err);
 
 #endif

@@ -103,7 +103,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     }
     qr_outcome o;
     qr_run(&o, "%s -o %s/x.png --turntable 4", f->quilt, f->folder);
-    qr_assert_fails(&o, 2, "cannot be combined with a finished quilt");
+    qr_assert_fails(&o, 2, "cannot be combined with one finished image");
     qr_run(&o, "--chart 60+-0.5/0.1@600 --print-size 60x60 -o %s/x.tif --turntable 4", f->folder);
     qr_assert_fails(&o, 2, "cannot be combined with --chart");
     assert_int_equal(qr_count_files(f->folder), before);

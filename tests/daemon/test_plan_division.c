@@ -267,6 +267,39 @@ static void frames_are_joined(void **state)
 }
 
 /* Frames that share parts of their shutters stay together, and cost less. */
+/* A closed job ends with a finish of everything. All of its light fields are in bands, or none. */
+static void a_closed_job_has_a_last_finish(void **state)
+{
+    fixture *f = *state;
+    f->job.is_closed = true;
+    f->model.close = (lf_plan_cost){7, 4000};
+    for (int bands = 0; bands < 2; bands++) {
+        /* light fields cost 16 to 26 seconds: the later ones alone exceed the limit of bands */
+        lf_plan_division d = divide(f, bands ? 21 : 60, 0);
+        assert_complete(&d);
+        int n_bands = 0;
+        for (int i = 0; i < d.n_tasks; i++)
+            n_bands += d.tasks[i].rows[0] <= d.tasks[i].rows[1];
+        assert_int_equal(n_bands, bands ? d.n_tasks : 0);
+        assert_int_equal(d.n_finishes, bands ? FIELDS + 1 : 1);
+        for (int i = 0; i < d.n_finishes; i++)
+            assert_int_equal(d.finishes[i].closes, i == d.n_finishes - 1);
+        const lf_plan_finish *last = &d.finishes[d.n_finishes - 1];
+        assert_true(last->fields[1] < last->fields[0]);
+        assert_int_equal(last->tasks[0], 0);
+        assert_int_equal(last->tasks[1], d.n_tasks - 1);
+        assert_near(last->cost.cpu_seconds, 2 + 7, 1e-9);
+        assert_near(last->cost.memory, 100 + 4000, 1e-9);
+        lf_plan_division_finish(&d);
+    }
+    lf_plan_division d = divide(f, 1000, 0);
+    assert_int_equal(d.n_tasks, 1);
+    assert_int_equal(d.n_finishes, 0);
+    assert_true(d.tasks[0].fields[1] < d.tasks[0].fields[0]);
+    assert_near(d.tasks[0].cost.memory, 4100, 1e-9);
+    lf_plan_division_finish(&d);
+}
+
 static void neighbours_share(void **state)
 {
     fixture *f = *state;
@@ -326,6 +359,7 @@ int main(void)
         cmocka_unit_test_setup(what_cannot_be_in_bands_is_whole, set_up),
         cmocka_unit_test_setup(what_is_joined_keeps_states, set_up),
         cmocka_unit_test_setup(frames_are_joined, set_up),
+        cmocka_unit_test_setup(a_closed_job_has_a_last_finish, set_up),
         cmocka_unit_test_setup(neighbours_share, set_up),
         cmocka_unit_test_setup(limits_are_monotonic, set_up),
         cmocka_unit_test_setup(too_many_tasks_are_refused, set_up),

@@ -403,6 +403,9 @@ static void a_part_in_pieces_gives_its_rows_of_the_whole(void **state)
     assert_true(lf_renderer_is_at(f->renderer, &part, &at));
     for (int i = 0; i < 4; i++)
         assert_false(lf_renderer_is_at(f->renderer, &others[i], &at));
+    /* nor does it hold what another stream has added */
+    lf_assert_ok(lf_renderer_passes(f->renderer, &others[3], 4, false, NULL, NULL, NULL), NULL);
+    assert_false(lf_renderer_is_at(f->renderer, &part, &at));
     const lf_part outside = {.first_row = 0, .end_row = HEIGHT + 1};
     assert_int_equal(
         lf_renderer_passes_after(f->renderer, &outside, &at, 4, false, NULL, NULL, NULL), LF_E_ARG);

@@ -1,10 +1,6 @@
 /* --state with every kind of output: a job that is stopped again and again, each time after a few
  * saves, writes the bytes of one that is not; and what remains of its states. */
-#include "tests/daemon/quiltrender.h"
-#include "tests/scene_file.h"
-
-#include "daemon/tools/job_state.h"
-#include "daemon/tools/rendering.h"
+#include "tests/daemon/states.h"
 
 /* Saves, and the job that is stopped after so many. */
 static struct {
@@ -34,37 +30,14 @@ int __wrap_fsync(int fd)
     return 0;
 }
 
-/* A job in this process that saves whenever it may, stopped after so many saves. */
+/* A job in this process, stopped after so many saves. */
 static lf_status run_here(char *line, int stop_at)
 {
-    char *argv[40], *save = NULL;
-    int argc = 0;
-    lf_render_arguments a;
-    bool done = false;
-    lf_error err = {0};
-    for (char *word = strtok_r(line, " ", &save); word && argc < 39;
-         word = strtok_r(NULL, " ", &save))
-        argv[argc++] = word;
-    argv[argc] = NULL;
-    optind = 0; /* getopt begins anew */
     saves.n_saved = 0;
     saves.stop_at = stop_at;
     atomic_store(&saves.cancel, 0);
     atomic_store(&saves.paused, 0);
-    lf_assert_ok(lf_render_arguments_parse(argc, argv, &a, &done, &err), &err);
-    lf_rendering r = {.arguments = &a, .cancel = &saves.cancel, .pause = &saves.paused};
-    lf_status status = lf_rendering_open(&r, &err);
-    if (status == LF_OK && r.sequence.on) {
-        status = lf_rendering_frames(&r, &err);
-    } else if (status == LF_OK) {
-        status = lf_rendering_run(&r, &err);
-        if (status == LF_OK)
-            status = lf_rendering_write(&r, &err);
-    }
-    if (status != LF_OK && status != LF_E_CANCELLED)
-        fail_msg("%s: %s", err.where, err.what);
-    lf_rendering_finish(&r);
-    return status;
+    return state_run(line, &saves.cancel, &saves.paused);
 }
 
 /* Papers that say when they were printed. */

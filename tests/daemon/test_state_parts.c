@@ -1,54 +1,13 @@
 /* --rows and --stream: a part of a picture as a state. Its rows are those of the whole picture's
  * state to the bit; streams differ; what cannot be a part is refused in one line. */
-#include "tests/daemon/quiltrender.h"
-#include "tests/scene_file.h"
+#include "tests/daemon/states.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include "daemon/tools/job_state.h"
-#include "render/film/film_file.h"
-
+/* A grid of cameras whose depth is that many times the usual. */
+#define GRID(depthiness)                                                                           \
+    "{ \"include\": \"fog.json\", \"camera\": { \"depthiness\": " depthiness                       \
+    ", \"views\": { \"grid\": { \"columns\": 2, \"rows\": 3, \"width\": 1, \"height\": 1.5 } } } " \
+    "}\n"
 #define SIZE "--view-size 12x10 --threads 2 --seed 3 "
-
-/* The film of a state, and its head. Finish the film. */
-static json_t *read_state(const char *path, lf_film *out)
-{
-    json_t *head = NULL;
-    lf_error err = {0};
-    int fd = -1;
-    *out = (lf_film){0};
-    lf_assert_ok(lf_job_state_open(path, &fd, NULL, &head, &err), &err);
-    lf_assert_ok(lf_film_read(fd, NULL, out, &err), &err);
-    close(fd);
-    return head;
-}
-
-static bool same_rows(const lf_film *a, const lf_film *b, int row)
-{
-    const size_t at = (size_t)row * a->row_bytes;
-    const lf_film_row *x = &a->rows[row], *y = &b->rows[row];
-    return memcmp(a->data + at, b->data + at, lf_film_used_bytes(&a->layout)) == 0 &&
-           memcmp(x->n, y->n, sizeof x->n) == 0 &&
-           memcmp(x->visits, y->visits, sizeof x->visits) == 0 && x->met == y->met;
-}
-
-static json_t *info_of(const char *path)
-{
-    qr_outcome o;
-    qr_run(&o, "--state-info %s", path);
-    assert_int_equal(o.code, 0);
-    json_t *info = json_loads(o.out, 0, NULL);
-    assert_non_null(info);
-    return info;
-}
-
-static json_int_t number_of(const json_t *object, const char *key)
-{
-    const json_t *value = json_object_get(object, key);
-    assert_true(json_is_integer(value));
-    return json_integer_value(value);
-}
 
 static void assert_rows(const json_t *head, int first, int last)
 {
@@ -74,14 +33,14 @@ static void rows_are_those_of_the_whole_state(void **state)
         lf_film whole, band;
         snprintf(path, sizeof path, "%s/whole%zu", f->folder, i);
         qr_succeed("%s -o %s/w.png --state %s " SIZE "%s", f->scene, f->folder, path, how[i]);
-        json_t *head = read_state(path, &whole);
+        json_t *head = state_read(path, &whole);
         assert_rows(head, 0, 9);
         json_decref(head);
         for (size_t k = 0; k < sizeof bands / sizeof *bands; k++) {
             snprintf(path, sizeof path, "%s/band%zu_%zu", f->folder, i, k);
             qr_succeed("%s -o %s/no.png --rows %d:%d --state %s " SIZE "%s", f->scene, f->folder,
                        bands[k][0], bands[k][1], path, how[i]);
-            head = read_state(path, &band);
+            head = state_read(path, &band);
             assert_rows(head, bands[k][0], bands[k][1]);
             assert_true(json_is_true(json_object_get(head, "complete")));
             json_decref(head);
@@ -89,11 +48,11 @@ static void rows_are_those_of_the_whole_state(void **state)
                 const bool is_in = row >= bands[k][0] && row <= bands[k][1];
                 assert_int_equal(lf_film_visited(band.rows[row].visits), is_in);
                 if (is_in)
-                    assert_true(same_rows(&whole, &band, row));
+                    assert_true(state_same_rows(&whole, &band, row));
             }
             lf_film_finish(&band);
-            json_t *info = info_of(path);
-            assert_int_equal(number_of(info, "film_rows"), bands[k][1] - bands[k][0] + 1);
+            json_t *info = state_info(path);
+            assert_int_equal(state_number(info, "film_rows"), bands[k][1] - bands[k][0] + 1);
             json_decref(info);
         }
         lf_film_finish(&whole);
@@ -111,15 +70,15 @@ static void a_stream_is_a_picture_of_its_own(void **state)
         snprintf(path, sizeof path, "%s/stream%d", f->folder, i);
         qr_succeed("%s -o %s/s.png --spp 2 --state %s " SIZE "%s", f->scene, f->folder, path,
                    what[i]);
-        json_t *head = read_state(path, &films[i]);
-        assert_int_equal(number_of(head, "stream"), i / 2);
+        json_t *head = state_read(path, &films[i]);
+        assert_int_equal(state_number(head, "stream"), i / 2);
         json_decref(head);
     }
     for (int row = 0; row < 10; row++) {
-        assert_true(same_rows(&films[0], &films[1], row));
-        assert_int_equal(same_rows(&films[2], &films[3], row), row >= 2 && row <= 7);
+        assert_true(state_same_rows(&films[0], &films[1], row));
+        assert_int_equal(state_same_rows(&films[2], &films[3], row), row >= 2 && row <= 7);
     }
-    assert_false(same_rows(&films[0], &films[2], 5));
+    assert_false(state_same_rows(&films[0], &films[2], 5));
     for (int i = 0; i < 4; i++)
         lf_film_finish(&films[i]);
 }
@@ -155,9 +114,9 @@ static void a_complete_part_is_done_at_once(void **state)
     qr_succeed("%s -o %s/d.png --rows 1:2 --spp 4 --state %s " SIZE, f->scene, f->folder, path);
     qr_succeed("%s -o %s/d.png --rows 1:2 --spp 4 --state %s " SIZE, f->scene, f->folder, once);
     lf_film a, b;
-    json_decref(read_state(path, &a));
-    json_decref(read_state(once, &b));
-    assert_true(same_rows(&a, &b, 1) && same_rows(&a, &b, 2));
+    json_decref(state_read(path, &a));
+    json_decref(state_read(once, &b));
+    assert_true(state_same_rows(&a, &b, 1) && state_same_rows(&a, &b, 2));
     lf_film_finish(&a);
     lf_film_finish(&b);
 }
@@ -207,6 +166,89 @@ static void what_is_no_part_is_one_line(void **state)
     assert_int_equal(qr_count_files(f->folder), before);
 }
 
+/* A light field has one state, whoever renders it: a job of all of them or a task of one. */
+static void a_task_of_one_light_field_makes_the_state_of_the_whole_job(void **state)
+{
+    static const struct {
+        const char *scene, *out, *options, *tasks;
+        int first, last, last_image_row;
+        const char *key;
+    } cases[] = {
+        {"grid", "g.png", "", "--camera-rows", 0, 2, 5, "camera_row"},
+        {"grid", "g/", "--denoise off", "--camera-rows", 0, 2, 5, "camera_row"},
+        {"deep", "g.exr", "", "--camera-rows", 0, 2, 5, "camera_row"},
+        {"grid", "g.png", "--rgbd right --rgbd-of quilt", "--camera-rows", 0, 2, 5, "camera_row"},
+        {"long", "l/", "--passes 2 --view-size 4x3", "--camera-rows", 0, 1, 2, "camera_row"},
+        {"fog", "m.tif", "--print 25@100 --print-size 4x4 --lens-grid square", "--camera-rows", 0,
+         2, 6, "camera_row"},
+        {"fog", "t.mp4", "--turntable 3", "--frames", 1, 3, 5, "frame"},
+    };
+    const qr_files *f = *state;
+    char whole[PATH_MAX], task[PATH_MAX], base[PATH_MAX];
+    lf_test_write(f->folder, "grid.json", GRID("1"));
+    lf_test_write(f->folder, "deep.json", GRID("0.3"));
+    lf_test_write(f->folder, "long.json",
+                  "{ \"include\": \"fog.json\", \"camera\": { \"views\": { \"track\": { \"count\": "
+                  "260, \"length\": 2 } } } }\n");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const bool sized = strstr(cases[i].options, "size");
+        char options[256];
+        snprintf(options, sizeof options, "--threads 2 --seed 3 %s%s %s",
+                 strstr(cases[i].options, "passes") ? "" : "--spp 2 ",
+                 sized ? "" : "--view-size 8x6", cases[i].options);
+        snprintf(base, sizeof base, "%s/w%zu.lfstate", f->folder, i);
+        qr_succeed("%s/%s.json -o %s/%s --state %s %s", f->folder, cases[i].scene, f->folder,
+                   cases[i].out, base, options);
+        for (int n = cases[i].first; n <= cases[i].last; n++) {
+            lf_film film;
+            qr_succeed(
+                "%s/%s.json -o /nowhere/%s --state %s/t%zu_%%d.lfstate %s %s %d:%d --rows 0:%d",
+                f->folder, cases[i].scene, cases[i].out, f->folder, i, options, cases[i].tasks, n,
+                n, cases[i].last_image_row);
+            snprintf(task, sizeof task, "%s/t%zu_%d.lfstate", f->folder, i, n);
+            snprintf(whole, sizeof whole, "%s/w%zu_%04d.lfstate", f->folder, i, n);
+            state_assert_same(whole, task);
+            json_t *head = state_read(task, &film);
+            assert_int_equal(state_number(head, cases[i].key), n);
+            json_decref(head);
+            lf_film_finish(&film);
+            assert_int_equal(rename(task, whole), 0); /* and the job takes it */
+        }
+        qr_succeed("%s/%s.json -o %s/again_%s --state %s %s", f->folder, cases[i].scene, f->folder,
+                   cases[i].out, base, options);
+    }
+}
+
+/* Refused by its number, which is not that of another light field. */
+static void a_state_of_another_light_field_is_refused(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    lf_test_write(f->folder, "grid.json", GRID("1"));
+    qr_succeed("%s/grid.json -o %s/g.png --rows 0:9 --camera-rows 1:1 --spp 1 --state "
+               "%s/r.lfstate " SIZE,
+               f->folder, f->folder, f->folder);
+    assert_int_equal(rename(lf_test_path(f->folder, "r_0001.lfstate"),
+                            lf_test_path(f->folder, "r_0002.lfstate")),
+                     0);
+    qr_run(&o, "%s/grid.json -o %s/g.png --spp 1 --state %s/r.lfstate " SIZE, f->folder, f->folder,
+           f->folder);
+    assert_int_equal(o.code, 1);
+    assert_non_null(strstr(o.err, "differs in the row of cameras (1, not 2)"));
+    qr_succeed("%s -o %s/t.png --turntable 4 --frames 2:2 --rows 0:9 --spp 1 --state "
+               "%s/f.lfstate " SIZE,
+               f->scene, f->folder, f->folder);
+    assert_int_equal(rename(lf_test_path(f->folder, "f_0002.lfstate"),
+                            lf_test_path(f->folder, "f_0003.lfstate")),
+                     0);
+    qr_run(&o, "%s -o %s/t.png --turntable 4 --frames 3:3 --spp 1 --state %s/f.lfstate " SIZE,
+           f->scene, f->folder, f->folder);
+    qr_assert_fails(&o, 1, "the frame (2, not 3)");
+    qr_run(&o, "%s -o %s/t.png --spp 1 --state %s/f_0003.lfstate " SIZE, f->scene, f->folder,
+           f->folder);
+    qr_assert_fails(&o, 1, "the frame (2, not nothing)");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -214,6 +256,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_stream_is_a_picture_of_its_own, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_complete_part_is_done_at_once, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(what_is_no_part_is_one_line, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_task_of_one_light_field_makes_the_state_of_the_whole_job,
+                                        qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_state_of_another_light_field_is_refused, qr_set_up,
+                                        qr_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,338 @@
+/* quiltrender --hologram as a job: rows alone and together, killed and continued, in bands; rigs of
+ * printers; mistakes of callers. */
+#include <jansson.h>
+#include <signal.h>
+
+#include "tests/daemon/quiltrender.h"
+
+#define SMALL " --view-size 12x8 --spp 1 --seed 5 "
+
+static const char *grid_of(const qr_files *f)
+{
+    return lf_test_write(f->folder, "grid.json",
+                         "{ \"include\": \"fog.json\", \"camera\": { \"aspect\": 1.5, \"views\": { "
+                         "\"grid\": { \"columns\": 3, \"rows\": 4, \"width\": 1, \"height\": 1 } } "
+                         "} }\n");
+}
+
+static json_t *manifest_of(const char *folder)
+{
+    json_t *manifest = json_load_file(lf_test_path(folder, "manifest.json"), 0, NULL);
+    assert_non_null(manifest);
+    return manifest;
+}
+
+static double number(const json_t *object, const char *a, const char *b, size_t i)
+{
+    const json_t *value = json_object_get(object, a);
+    value = b ? json_object_get(value, b) : value;
+    return json_number_value(json_is_array(value) ? json_array_get(value, i) : value);
+}
+
+/* The files of two finished plates, and their manifests, are the same. */
+static void assert_same_plates(const char *a, const char *b)
+{
+    char one[PATH_MAX], other[PATH_MAX];
+    json_t *manifest = manifest_of(a);
+    const json_t *files = json_object_get(manifest, "files");
+    assert_true(json_array_size(files) > 0);
+    for (size_t i = 0; i < json_array_size(files); i++) {
+        const char *name = json_string_value(json_object_get(json_array_get(files, i), "name"));
+        snprintf(one, sizeof one, "%s", lf_test_path(a, name));
+        snprintf(other, sizeof other, "%s", lf_test_path(b, name));
+        qr_assert_same_files(one, other);
+    }
+    snprintf(one, sizeof one, "%s", lf_test_path(a, "manifest.json"));
+    snprintf(other, sizeof other, "%s", lf_test_path(b, "manifest.json"));
+    qr_assert_same_files(one, other);
+    json_decref(manifest);
+}
+
+static void rows_alone_are_the_plate(void **state)
+{
+    static const char *const forms[] = {"views", "hogels", "raw"};
+    const qr_files *f = *state;
+    char scene[PATH_MAX], whole[PATH_MAX], parts[PATH_MAX];
+    qr_outcome o;
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    for (int i = 0; i < 3; i++) {
+        snprintf(whole, sizeof whole, "%s/whole_%d", f->folder, i);
+        snprintf(parts, sizeof parts, "%s/parts_%d", f->folder, i);
+        qr_succeed("%s -o %s/ --hologram %s --flip hx" SMALL "--threads 1", scene, whole, forms[i]);
+        qr_succeed("%s -o %s/ --hologram %s --flip hx --camera-rows 2:3" SMALL, scene, parts,
+                   forms[i]);
+        assert_false(qr_exists(parts, "manifest.json"));
+        qr_succeed("%s -o %s/ --hologram %s --flip hx --camera-rows 0:1" SMALL, scene, parts,
+                   forms[i]);
+        assert_false(qr_exists(parts, "manifest.json"));
+        qr_run(&o, "%s -o %s/ --hologram %s --flip hx" SMALL, scene, parts, forms[i]);
+        assert_int_equal(o.code, 0);
+        assert_non_null(strstr(o.err, "4 of 4 rows exist and are kept"));
+        assert_non_null(strstr(o.err, "manifest.json: 12 x 8 cells of 3 x 4 directions"));
+        assert_same_plates(whole, parts);
+    }
+    qr_run(&o, "%s -o %s/ --hologram raw" SMALL, scene, parts);
+    qr_assert_fails(&o, 1, "the plate there has another \"flips\"");
+    qr_run(&o, "%s -o %s/ --hologram raw --flip hx --views 2" SMALL, scene, parts);
+    qr_assert_fails(&o, 2, "--views: cannot be combined with --camera-rows");
+    qr_run(&o, "%s -o %s/ --hologram raw --flip hx --camera-rows 4:4" SMALL, scene, parts);
+    qr_assert_fails(&o, 2, "expected rows within 0:3");
+    qr_succeed("%s -o %s/ --hologram raw --overwrite" SMALL, scene, parts);
+    qr_assert_different_files(lf_test_path(whole, "plate.raw"), lf_test_path(parts, "plate.raw"));
+}
+
+/* A plate that is killed by 9 while it renders, again and again. */
+static void a_killed_plate_goes_on(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX], whole[PATH_MAX], killed[PATH_MAX], line[4 * PATH_MAX], row[64];
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    snprintf(whole, sizeof whole, "%s/unharmed", f->folder);
+    snprintf(killed, sizeof killed, "%s/killed", f->folder);
+    qr_succeed("%s -o %s/ --hologram hogels --view-size 12x8 --spp 40 --denoise off", scene, whole);
+    for (int i = 0; i < 2; i++) {
+        snprintf(line, sizeof line,
+                 "%s -o %s/ --hologram hogels --view-size 12x8 --spp 40 --denoise off", scene,
+                 killed);
+        const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+        const pid_t pid = qr_start(line, null, null, RLIM_INFINITY);
+        snprintf(row, sizeof row, "rows/r%03d.raw", i);
+        for (int k = 0; k < 6000 && !qr_exists(killed, row); k++)
+            qr_nap(0.005);
+        kill(pid, SIGKILL);
+        qr_ended(pid);
+        close(null);
+        assert_true(qr_exists(killed, row));
+    }
+    qr_succeed("%s", line);
+    assert_same_plates(whole, killed);
+    /* a picture that is lost is made again, without rendering */
+    qr_outcome o;
+    assert_int_equal(unlink(lf_test_path(killed, "hogels/r0003/c0004.png")), 0);
+    qr_run(&o, "%s", line);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "4 of 4 rows exist"));
+    assert_non_null(strstr(o.err, "wrote "));
+    assert_same_plates(whole, killed);
+    qr_run(&o, "%s", line);
+    assert_non_null(strstr(o.err, "kept "));
+}
+
+/* Bands of image rows, kept as states, then the rows, then the plate. */
+static void a_plan_with_bands_makes_the_plate(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX], whole[PATH_MAX], command[4 * PATH_MAX];
+    qr_outcome o;
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    snprintf(whole, sizeof whole, "%s/planned", f->folder);
+    qr_succeed("%s -o %s/ --hologram raw" SMALL, scene, whole);
+    qr_run(&o, "--plan --task-minutes 0 --task-memory 1M %s -o %s/banded/ --hologram raw" SMALL,
+           scene, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.out, "# 4 rows of 3 views of 12x8 pixels"));
+    assert_non_null(strstr(o.out, " --camera-rows 3:3 --rows 7:7 "));
+    assert_non_null(strstr(o.out, "quiltmerge "));
+    const char *script = lf_test_write(f->folder, "plan.sh", o.out);
+    snprintf(command, sizeof command, "cd '%s' && sh -e '%s' >plan.log 2>&1", f->folder, script);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c) */
+    assert_same_plates(whole, lf_test_path(f->folder, "banded"));
+    qr_run(&o, "--plan --json %s -o %s/banded/ --hologram raw --camera-rows 1:2" SMALL, scene,
+           f->folder);
+    assert_non_null(strstr(o.out, "\"finishes\": []"));
+    assert_non_null(strstr(o.out, "\"kind\": \"hologram\""));
+}
+
+/* What --files lists is what the run wrote. */
+static void receipts_list_the_files(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX];
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    qr_succeed("%s -o %s/told/ --hologram views --files %s/a.json --camera-rows 1:2" SMALL, scene,
+               f->folder, f->folder);
+    qr_succeed("%s -o %s/told/ --hologram views --files %s/b.json" SMALL, scene, f->folder,
+               f->folder);
+    for (int whole = 0; whole < 2; whole++) {
+        json_t *told =
+            json_load_file(lf_test_path(f->folder, whole ? "b.json" : "a.json"), 0, NULL);
+        const json_t *files = json_object_get(told, "files");
+        assert_int_equal(json_array_size(files), whole ? 13 : 6);
+        for (size_t i = 0; i < json_array_size(files); i++) {
+            const char *name = json_string_value(json_object_get(json_array_get(files, i), "name"));
+            assert_int_equal(access(name, F_OK), 0);
+            if (!whole) /* rows 1 and 2 from below */
+                assert_true(strstr(name, "/r001/") || strstr(name, "/r002/"));
+        }
+        json_decref(told);
+    }
+}
+
+/* ----------------------------------------------------------------------------------- presets -- */
+
+static void printers_have_rigs(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    snprintf(folder, sizeof folder, "%s/litiholo", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --view-size 8x10 --spp 1",
+               f->scene, folder);
+    json_t *m = manifest_of(folder);
+    assert_string_equal(json_string_value(json_object_get(m, "kind")), "V");
+    assert_string_equal(json_string_value(json_object_get(m, "parallax")), "hpo");
+    lf_assert_close(number(m, "plate_mm", NULL, 0), 101.6, 1e-12, 0);
+    lf_assert_close(number(m, "hogel_pitch_mm", NULL, 1), 12.7, 1e-12, 0);
+    lf_assert_close(number(m, "plate", NULL, 0) / number(m, "plate", NULL, 1), 0.8, 1e-9, 0);
+    lf_assert_close(number(m, "mm_per_unit", NULL, 0) * number(m, "plate", NULL, 0), 101.6, 1e-9,
+                    0);
+    assert_int_equal(number(m, "directions", NULL, 0), 23);
+    const double distance = number(m, "cameras", "distance", 0);
+    for (size_t k = 0; k < 23; k++) /* equal angles over 45 degrees */
+        lf_assert_close(number(m, "cameras", "positions", k),
+                        distance * tan(((double)k / 22 - 0.5) * 45 * M_PI / 180), 1e-9, 1e-12);
+    assert_true(qr_exists(folder, "views/view_0022.png"));
+    json_decref(m);
+    snprintf(folder, sizeof folder, "%s/few", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 5 --view-size 8x10 "
+               "--spp 1 --plate-size 100x200",
+               grid_of(f), folder);
+    m = manifest_of(folder);
+    assert_int_equal(number(m, "directions", NULL, 0), 5);
+    lf_assert_close(number(m, "plate", NULL, 0) / number(m, "plate", NULL, 1), 0.5, 1e-9, 0);
+    json_decref(m);
+}
+
+/* A track of 1280 frames is five rigs. */
+static void a_long_track_is_one_row_of_eyes(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    qr_outcome o;
+    snprintf(folder, sizeof folder, "%s/track", f->folder);
+    qr_run(&o, "%s -o %s/ --hologram views --hologram-preset track --view-size 4x4 --spp 1",
+           f->scene, folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "wrote 5 of 5 rows"));
+    json_t *m = manifest_of(folder);
+    assert_int_equal(json_array_size(json_object_get(m, "files")), 1280);
+    assert_int_equal(number(m, "directions", NULL, 0), 1280);
+    assert_int_equal(number(m, "directions", NULL, 1), 1);
+    const double distance = number(m, "cameras", "distance", 0),
+                 cone = number(m, "settings", "track", 0);
+    lf_assert_close(number(m, "cameras", "spacing", 0), cone / 1279, 1e-9, 0);
+    lf_assert_close(cone, 2 * distance * tan(17.5 * M_PI / 180), 1e-9, 0); /* the scene's cone */
+    assert_true(qr_exists(folder, "views/view_0000.png"));
+    assert_true(qr_exists(folder, "views/view_1279.png"));
+    json_decref(m);
+}
+
+/* ---------------------------------------------------------------------------------- mistakes -- */
+
+static void depth_is_told(void **state)
+{
+    static const struct {
+        double z;
+        const char *camera, *words;
+    } cases[] = {
+        {-0.5, "", NULL},
+        {-1.5, "", "objects behind the plate shift by 5."},
+        {-1.5, "", "above 4 they are soft"},
+        {-20, "", "above 8 they are doubled; use more views or less depth, or view_blur 1"},
+        {-20, "\"view_blur\": 1, ", "above 4 they are soft"},
+        {2, "", "objects in front of the plate shift by"},
+    };
+    const qr_files *f = *state;
+    qr_outcome o;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{\"camera\": {%s\"position\": [0, 0, 5], \"fov_y\": 30, \"aspect\": 1, "
+                 "\"views\": {\"grid\": {\"columns\": 5, \"rows\": 1, \"width\": 2.5, \"height\": "
+                 "0}}}, \"meshes\": {\"ball\": {\"shape\": \"sphere\", \"transform\": {\"scale\": "
+                 "0.01, \"translate\": [0, 0, %g]}}}, \"lights\": {\"sky\": {\"type\": "
+                 "\"environment\", \"radiance\": 1}}}",
+                 cases[i].camera, cases[i].z);
+        const char *scene = lf_test_write(f->folder, "deep.json", text);
+        qr_run(&o, "%s -o %s/deep_%zu/ --hologram views --view-size 96x96 --spp 1", scene,
+               f->folder, i);
+        assert_int_equal(o.code, 0);
+        if (cases[i].words ? !strstr(o.err, cases[i].words) : !!strstr(o.err, "cells from view"))
+            fail_msg("case %zu: %s", i, o.err);
+    }
+}
+
+static void cells_say_what_they_do_not_see(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    const char *scene = lf_test_write(
+        f->folder, "inside.json",
+        "{\"include\": \"fog.json\", \"camera\": {\"position\": [0, 0, 0], \"target\": [0, 0, -1], "
+        "\"fov_y\": 60, \"views\": {\"grid\": {\"columns\": 3, \"rows\": 2, \"width\": 1, "
+        "\"height\": 0.5, \"window\": \"own\"}}}}");
+    qr_run(&o, "%s -o %s/inside/ --hologram hogels" SMALL, scene, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "some objects are in front of the plate"));
+    qr_run(&o, "%s -o %s/inside2/ --hologram hogels --plate-size 100x100" SMALL, scene, f->folder);
+    qr_assert_fails(&o, 2,
+                    "--plate-size: the grid of cells is 1.5 times as wide as high, the plate "
+                    "1 times");
+}
+
+static void mistakes_are_told(void **state)
+{
+    static const struct {
+        const char *words, *error;
+    } cases[] = {
+        {"--hologram pictures", "--hologram: expects views, hogels or raw"},
+        {"--hologram views --flip x", "--flip: unknown word \"x\"; expected u, v, hx, hy"},
+        {"--hologram views --plate-grey", "--plate-grey: is linear and needs 16 bits"},
+        {"--flip u", "--flip: needs --hologram"},
+        {"--plate-size 10x10", "--plate-size: needs --hologram"},
+        {"--hologram views --png", "cannot be combined with --"},
+        {"--hologram views --frames 1:2", "cannot be combined with --frames"},
+        {"--hologram views --turntable 4", "cannot be combined with --turntable"},
+        {"--hologram views --preset portrait", "use --hologram-preset"},
+        {"--hologram views --camera-rows 0:1", "the plate has one row of cameras; expected 0:0"},
+        {"--hologram views --exposure auto", "auto would give each of the rows another exposure"},
+        {"--hologram views --hologram-preset zebra",
+         "--hologram-preset: expects litiholo or track"},
+    };
+    const qr_files *f = *state;
+    qr_outcome o;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        qr_run(&o, "%s -o %s/wrong/ %s", f->scene, f->folder, cases[i].words);
+        qr_assert_fails(&o, 2, cases[i].error);
+        assert_false(qr_exists(f->folder, "wrong"));
+    }
+    qr_run(&o, "%s -o %s/wrong.png --hologram views", f->scene, f->folder);
+    qr_assert_fails(&o, 2, "the name of a hologram plate must end in /");
+    qr_run(&o, "%s -o %s/no/such/ --hologram views", f->scene, f->folder);
+    qr_assert_fails(&o, 1, "cannot write to the folder");
+    const char *ring = lf_test_write(
+        f->folder, "ring.json",
+        "{\"include\": \"fog.json\", \"camera\": {\"views\": {\"circle\": {\"count\": "
+        "4}}}}");
+    qr_run(&o, "%s -o %s/wrong/ --hologram views", ring, f->folder);
+    qr_assert_fails(&o, 2, "cameras listed one by one do not form a plate");
+    qr_succeed("%s -o %s/light/ --hologram views --plate-format exr --exposure auto --plate-grey "
+               "--views 2" SMALL,
+               f->scene, f->folder);
+    assert_true(qr_exists(f->folder, "light/views/view_0001.exr"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_alone_are_the_plate),
+        cmocka_unit_test(a_killed_plate_goes_on),
+        cmocka_unit_test(a_plan_with_bands_makes_the_plate),
+        cmocka_unit_test(receipts_list_the_files),
+        cmocka_unit_test(printers_have_rigs),
+        cmocka_unit_test(a_long_track_is_one_row_of_eyes),
+        cmocka_unit_test(depth_is_told),
+        cmocka_unit_test(cells_say_what_they_do_not_see),
+        cmocka_unit_test(mistakes_are_told),
+    };
+    return cmocka_run_group_tests_name("hologram_job", tests, qr_set_up, qr_tear_down);
+}
