@@ -40,6 +40,7 @@ typedef struct lf_farm_job {
     const json_t *join;           /* words of the finish, without the program; NULL: as tasks */
     const char *folder;           /* that words of the command are relative to */
     const char *field_option;     /* NULL: no fields */
+    bool names_fields;            /* the user's command has the option */
     int fields[2];                /* of the job */
     int n_tasks, n_finishes;
     int threads;
@@ -47,11 +48,12 @@ typedef struct lf_farm_job {
     int lock_fd;         /* -1: not locked */
 } lf_farm_job;
 
-/* Makes the folder from a plan (quiltrender --plan --json). All strings are borrowed; folder is
- * absolute. LF_E_EXISTS: there is a job, or another file; LF_E_FORMAT: the plan is not one;
- * LF_E_ARG: a name that schedulers would change. */
+/* Makes the folder from a plan (quiltrender --plan --json) of a command with these words. All
+ * strings are borrowed; folder is absolute. Adds keys to plan. LF_E_EXISTS: there is a job, or
+ * another file; LF_E_FORMAT: the plan is not one; LF_E_ARG: a name that schedulers would change. */
 LF_NODISCARD lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine,
-                                        const char *folder, json_t *plan, lf_error *err);
+                                        const char *folder, char *const words[], json_t *plan,
+                                        lf_error *err);
 /* Reads a job. Zeroes *out first. LF_E_FORMAT: damaged, or of another version; LF_E_STATE: its
  * folder was moved; LF_E_IO. */
 LF_NODISCARD lf_status lf_farm_job_open(const char *path, lf_farm_job *out, lf_error *err);
