@@ -102,8 +102,7 @@ static json_t *jobs_of(live_client *c)
     return jobs;
 }
 
-/* ----------------------------------------------------------------------------------- refusals --
- */
+/* ---------------------------------------------------------------------------------- refusals -- */
 
 static void assert_refused(farm *f, const char *words, int code, json_t *params)
 {
@@ -270,8 +269,7 @@ static void the_farm_gets_the_scene_as_it_is_shown(void **state)
     finish(&f);
 }
 
-/* ----------------------------------------------------------------------------- what goes wrong --
- */
+/* --------------------------------------------------------------------------- what goes wrong -- */
 
 static void a_missing_quiltfarm_is_told(void **state)
 {
@@ -380,8 +378,7 @@ static void only_so_many_jobs_run_and_they_keep_out_no_exports(void **state)
     finish(&f);
 }
 
-/* ------------------------------------------------------------------------------- quiltd's end --
- */
+/* ------------------------------------------------------------------------------ quiltd's end -- */
 
 static void a_job_goes_on_without_quiltd_which_follows_it_again(void **state)
 {
@@ -424,8 +421,7 @@ static void a_job_goes_on_without_quiltd_which_follows_it_again(void **state)
     finish(&f);
 }
 
-/* ---------------------------------------------------------------------------------- the bytes --
- */
+/* --------------------------------------------------------------------------------- the bytes -- */
 
 static char *bytes_of(const char *path, size_t *out_n)
 {
