@@ -164,7 +164,8 @@ static void replace(bytes *b, size_t from, size_t to, const unsigned char *with,
     const size_t rest = b->n - to;
     assert_true(from + n + rest <= MOST_BYTES);
     memcpy(kept, b->p + to, rest);
-    memmove(b->p + from, with, n);
+    if (n > 0)
+        memmove(b->p + from, with, n);
     memcpy(b->p + from + n, kept, rest);
     b->n = from + n + rest;
 }
