@@ -94,14 +94,21 @@ static int tear_down(void **state)
     return 0;
 }
 
+/* Waits for an event; WAIT_S seconds without any fail. */
 static void run_once(owner *o)
 {
-    assert_true(sd_event_run(o->event, 1000000) >= 0);
+    for (int i = 0; i < WAIT_S; i++) {
+        const int found = sd_event_run(o->event, 1000000);
+        assert_true(found >= 0);
+        if (found > 0)
+            return;
+    }
+    fail_msg("nothing happens");
 }
 
 static void await_end(owner *o, lf_farmed_state end)
 {
-    for (int i = 0; o->ended == 0 && i < WAIT_S; i++)
+    while (o->ended == 0)
         run_once(o);
     assert_int_equal(o->ended, 1);
     assert_int_equal(o->end, end);
