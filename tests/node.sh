@@ -29,6 +29,16 @@ report "the package has a program" "$([ ${#programs[@]} -ge 1 ] || cat "$src/deb
     report "one would be seen" "$(no_node_needs "$out/quiltd" | grep -q libusb || echo 'not seen')"
 }
 
+# Outside an image, where a scheduler is, quiltfarm has to run without libraries.
+if [ -e "$("${CXX:-g++}" -print-file-name=libjansson.a 2> /dev/null)" ]; then
+    alone=$top/quiltfarm
+    report "quiltfarm can be one file" "$("${CXX:-g++}" -static -o "$alone" "$out"/daemon/tools/quiltfarm.c.o "$out"/lib{farm,engine,base}.a -ljansson -lm 2>&1 | tail -n 5
+        [ -z "$(libraries "$alone")" ] || echo "it has libraries"
+        "$alone" --version > /dev/null 2>&1 || echo "it does not start")"
+else
+    skip "quiltfarm can be one file" "no static libjansson"
+fi
+
 # A package of the image is ours, or one that ours suggests.
 image() { sed -n 's/.*apt-get install -y --no-install-recommends \(.*\) \\$/\1/p' "$1/debian/node/Containerfile" | tr ' ' '\n'; }
 node_stanza() { awk '/^Package: / { on = $2 == "quiltd-node" } on' "$1/debian/control"; }
