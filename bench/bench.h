@@ -27,6 +27,7 @@ int lf_bench_quilt(int argc, char **argv);
 int lf_bench_skip(int argc, char **argv);
 int lf_bench_usb(int argc, char **argv);
 int lf_bench_video(int argc, char **argv);
+int lf_bench_plan(int argc, char **argv);
 /* argv[0] is the program's name. */
 int lf_bench_all(int argc, char **argv);
 

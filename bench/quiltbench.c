@@ -30,6 +30,7 @@ static const struct command {
     {"skip", lf_bench_skip, "CPU time that skipping unneeded work saves"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
     {"video", lf_bench_video, "a frame of a quilt video: decoding and interlacing"},
+    {"plan", lf_bench_plan, "time and memory in plans of quiltrender against its jobs"},
     {"usb", lf_bench_usb, "updates of a simulated USB display against copying"},
 };
 

@@ -116,7 +116,7 @@ no_states() { find "$1/states" -type f; }
 by_list() { # name, words of quiltrender
     local name=$1
     shift
-    if ! { bin/quiltfarm plan "$name.job" --engine list --threads 1 -- "$@" && sh -e "$name.job/tasks" && bin/quiltfarm merge "$name.job"; } > list.log 2>&1; then
+    if ! { bin/quiltfarm plan "$name.job" --engine list --threads 1 ${minutes:+--task-minutes $minutes} -- "$@" && sh -e "$name.job/tasks" && bin/quiltfarm merge "$name.job"; } > list.log 2>&1; then
         cat list.log
     fi
     expect_state "$name.job" complete
@@ -126,6 +126,8 @@ report "rows of a plate are made without it" "$(by_list rows "${plate[@]}" -o ro
 if command -v ffmpeg > /dev/null; then
     film=("${frames[@]}" --frames 2:3)
     report "frames of a film are those of the command" "$("$out/quiltrender" "${film[@]}" -o film.mp4 2> film.log || cat film.log; by_list joined "${film[@]}" -o joined.mp4; cmp film_*.mp4 joined_*.mp4 2>&1)"
+    minutes=0
+    report "frames that were tasks make the same film" "$(by_list apart "${film[@]}" -o apart.mp4; [ "$(wc -l < apart.job/tasks)" -eq 2 ] || cat apart.job/tasks; cmp film_*.mp4 apart_*.mp4 2>&1)"
 else
     skip "frames of a film are those of the command" "ffmpeg is not installed"
 fi

@@ -31,6 +31,19 @@ char *lf_farm_job_path(const lf_farm_job *job, const char *format, ...)
     return lf_path_join(job->path, name);
 }
 
+void lf_farm_job_words(const lf_farm_job *job, const json_t *texts, size_t first,
+                       lf_farm_words *words)
+{
+    const char *frames = json_string_value(json_object_get(job->plan, "frames_output"));
+    for (size_t i = first; i < json_array_size(texts); i++) {
+        const char *word = json_string_value(json_array_get(texts, i));
+        if (frames && strcmp(word, frames) == 0)
+            lf_farm_words_add(words, "%s/%s", job->path, word);
+        else
+            lf_farm_words_add(words, "%s", word);
+    }
+}
+
 static const char *step_words(const lf_farm_job *job, int step, char between,
                               char buf[LF_FARM_STEP_NAME])
 {
@@ -288,6 +301,7 @@ static const char readme[] =
     "tasks         one command per line; task K is line K + 1\n"
     "finishes      commands that make files from the states of tasks\n"
     "task.sbatch   the script that Slurm runs\n"
+    "frames/       frames of a film, which its finish joins\n"
     "states/       saved work of tasks\n"
     "done/         receipts of complete tasks (.json), and words of failed ones (.failed)\n"
     "log/          what tasks and schedulers printed\n"
@@ -329,8 +343,10 @@ static lf_status write_text(const lf_farm_job *job, const char *name, const char
 
 static lf_status make_folders(const lf_farm_job *job, lf_error *err)
 {
-    static const char *const names[] = {"states", "done", "log"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    static const char *const names[] = {"states", "done", "log", "frames"};
+    const bool has_frames = json_is_string(json_object_get(job->plan, "frames_output"));
+    const size_t n = sizeof names / sizeof *names - (has_frames ? 0 : 1);
+    for (size_t i = 0; i < n; i++) {
         char *path = lf_farm_job_path(job, "%s", names[i]);
         const bool made = path && (mkdir(path, 0777) == 0 || errno == EEXIST);
         const int why = errno;

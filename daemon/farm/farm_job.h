@@ -3,6 +3,7 @@
  *     job.json      what is rendered and how it is divided; never changes
  *     tasks         one command per line, task K in line K + 1
  *     finishes      the same for finishes, which need the tasks' states
+ *     frames/       of a film, until they are joined
  *     states/       saved and finished accumulations
  *     done/         per step: NAME.json, a receipt: the files that it made; NAME.failed, how it
  *                   failed; NAME.cost, what it has used; NAME.running, where it runs
@@ -63,6 +64,10 @@ LF_NODISCARD lf_status lf_farm_job_lock(lf_farm_job *job, lf_error *err);
 /* True if another process has the lock. */
 bool lf_farm_job_is_locked(const lf_farm_job *job);
 
+/* Adds words of the plan from an index on. The names of a film's frames, which are in the folder,
+ * get its path. */
+void lf_farm_job_words(const lf_farm_job *job, const json_t *texts, size_t first,
+                       lf_farm_words *words);
 /* A name in the folder; caller frees with lf_free. NULL = out of memory. */
 char *lf_farm_job_path(const lf_farm_job *job, const char *format, ...) LF_PRINTF(2, 3);
 /* "task_3"; returns buf. */

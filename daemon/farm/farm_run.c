@@ -121,9 +121,9 @@ static lf_status render(runner *r, bool with_state, lf_error *err)
     lf_farm_words_add(&words, "%s", RENDERER);
     add_options(r, joins, with_state, &words);
     if (joins)
-        lf_farm_words_add_json(&words, r->job->join, 0);
+        lf_farm_job_words(r->job, r->job->join, 0, &words);
     else
-        lf_farm_words_add_json(&words, r->job->command, 1);
+        lf_farm_job_words(r->job, r->job->command, 1, &words);
     const lf_status status = run_program(r, RENDERER, &words, err);
     lf_farm_words_finish(&words);
     return status;

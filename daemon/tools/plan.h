@@ -18,6 +18,7 @@ typedef struct lf_plan {
     int n_sums;         /* such films of a light field, one after the other */
     double film_bytes;  /* sums of one light field */
     double files_bytes; /* of all files, uncompressed; negative: unknown */
+    double least_fit;   /* memory that the fit of a denoised image needs whatever its size */
     int rows_measured;  /* 0: nothing was measured */
     char *frames;       /* names of frames to be joined, with a number field; NULL: none */
 } lf_plan;

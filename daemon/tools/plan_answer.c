@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "daemon/output/guides.h"
+#include "daemon/output/hologram.h"
 #include "daemon/tools/plan_measure.h"
 #include "daemon/tools/plan_process.h"
 
@@ -25,6 +26,7 @@ typedef struct answer {
     float *layers;  /* [pilot row][view][column][channels]; NULL: none */
     double fit;     /* memory of the fit of these rows */
     double writing; /* memory for a picture of these rows */
+    double share;   /* of all files that these rows make */
 } answer;
 
 static unsigned layers_of(const lf_rendering *r)
@@ -119,9 +121,26 @@ static lf_status make_picture(answer *a)
 static const lf_output_kind *kind_of(const lf_rendering *r, const lf_plan *plan)
 {
     const lf_output_kind *kind = lf_rendering_kind(r);
+    if (kind == &lf_output_hologram)
+        return r->arguments->hologram.options.format == LF_PLATE_EXR ? &lf_output_views
+                                                                     : &lf_output_pictures;
     if (!plan->job.joins_files)
         return kind;
     return kind == &lf_output_track ? &lf_output_still : &lf_output_quilt;
+}
+
+/* The largest raster of a print that is made for a plan, in pixels. */
+#define PRINT_PIXELS 8e6
+
+/* The upper part of a print; *out_share: of all of it. */
+static lf_print part_of_print(const lf_print *print, double *out_share)
+{
+    lf_print part = *print;
+    const double dots = print->dpi / 25.4,
+                 pixels = print->width_mm * print->height_mm * dots * dots;
+    *out_share = pixels > PRINT_PIXELS ? PRINT_PIXELS / pixels : 1;
+    part.height_mm *= *out_share;
+    return part;
 }
 
 static void close_all(const int *fds, int n)
@@ -152,6 +171,8 @@ static lf_status write_picture(answer *a, const lf_output_kind *kind, const int 
     const char *names[LF_MAX_LAYER_CHANNELS];
     lf_render_settings low = r->settings;
     lf_film_settings film = *lf_scene_film_settings(r->scene);
+    double share = 1;
+    const lf_print print = part_of_print(&r->print, &share);
     low.height = a->pilot->n_rows;
     lf_output_source source = lf_output_from_film(&low, a->picture);
     source.reconstructed = r->reconstructs;
@@ -170,7 +191,7 @@ static lf_status write_picture(answer *a, const lf_output_kind *kind, const int 
                                  .layout = r->layout,
                                  .calibration = &r->calibration,
                                  .panel = of->panel,
-                                 .print = &r->print,
+                                 .print = &print,
                                  .rgbd = of->rgbd,
                                  .exposure = film.auto_exposure ? 0 : film.exposure,
                                  .quality = of->options.file.quality,
@@ -178,6 +199,9 @@ static lf_status write_picture(answer *a, const lf_output_kind *kind, const int 
                                  .pool = r->pool,
                                  .cancel = r->cancel};
     request.layout.view_height = low.height;
+    a->share = kind->check_print   ? share
+               : kind->needs_panel ? 1
+                                   : (double)low.height / a->pilot->height;
     return lf_output_write(&request, &source, err);
 }
 
@@ -225,27 +249,21 @@ static lf_status save_state(const answer *a, double *out_cpu, lf_error *err)
 
 /* ------------------------------------------------------------------------------------- model -- */
 
-/* Whether files of this kind are as large as the views. */
-static bool is_of_views(const lf_output_kind *kind)
-{
-    return kind->write && !kind->needs_panel && !kind->check_print;
-}
-
 /* Fills the model from the measured rows. cpu: of answer, files and state. */
 static void fill_model(const answer *a, lf_plan *plan, const double cpu[3])
 {
     lf_plan_model *m = &plan->model;
     const lf_rendering *r = a->r;
-    const lf_output_kind *kind = kind_of(r, plan);
     const double grid = plan->job.is_joined ? 1 : plan->n_rows, /* rows of cameras in a frame */
         pixels = grid * (double)a->row * plan->height,
                  rows = a->pilot->n_rows > 0 ? grid * plan->height / a->pilot->n_rows : 0,
                  caught = lf_scene_has_catchers(r->scene) ? CAUGHT_BYTES * pixels : 0,
                  image = pixels * (3 + a->channels) * sizeof(float),
-                 writing = a->writing * (is_of_views(kind) ? rows : 1);
+                 writing = a->share > 0 ? a->writing / a->share : 0;
     m->save_cpu = a->pilot->n_rows > 0 ? cpu[2] / a->pilot->n_rows : 0;
-    m->answer_cpu = cpu[0] * rows + cpu[1] * (is_of_views(kind) ? rows : 1);
-    m->answer = image + a->fit * rows + fmax(caught, writing);
+    m->answer_cpu = cpu[0] * rows + (a->share > 0 ? grid * cpu[1] / a->share : 0);
+    m->answer =
+        image + plan->least_fit + fmax(0, a->fit - plan->least_fit) * rows + fmax(caught, writing);
     m->join_cpu = m->answer_cpu;
     m->join = m->base + plan->film_bytes + m->answer;
     if (plan->job.is_joined)
@@ -283,7 +301,7 @@ lf_status lf_plan_measure_answer(lf_rendering *r, lf_plan *plan, const lf_plan_p
         lf_error_set(err, status, r->arguments->out, "%s",
                      status == LF_E_CANCELLED ? "interrupted; the plan is not complete"
                                               : "cannot measure the answer");
-    if (status == LF_OK && is_of_views(kind_of(r, plan)))
+    if (status == LF_OK && kind_of(r, plan)->write)
         status = write_files(&a, plan, &cpu[1], err);
     if (status == LF_OK)
         fill_model(&a, plan, cpu);

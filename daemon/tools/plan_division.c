@@ -227,6 +227,8 @@ static band_limits limits_of_bands(const division *d, int field, double total)
     if (d->limits->memory > 0)
         limits.n_rows =
             (int)fmin(fmax(1, floor((d->limits->memory - m->base) / m->row)), m->height);
+    const int n_bands = (m->height + limits.n_rows - 1) / limits.n_rows; /* of like size */
+    limits.n_rows = (m->height + n_bands - 1) / n_bands;
     if (!knows_time(m)) /* equal bands */
         limits.share = total / ceil(total / limits.n_rows);
     return limits;

@@ -57,10 +57,16 @@ static void choose_rows(const lf_rendering *r, const lf_plan *plan, lf_plan_pilo
 int lf_plan_strip(const lf_plan_pilot *p, int index, int *out_end)
 {
     int first = index * p->strip;
-    if (p->n_rows < p->height)
-        first = (int)((2 * index + 1) * (int64_t)p->height / (2 * p->n)) - p->strip / 2;
+    if (p->n_rows == p->height) {
+        *out_end = first + p->strip < p->height ? first + p->strip : p->height;
+        return first;
+    }
+    first = (int)((2 * index + 1) * (int64_t)p->height / (2 * p->n)) - p->strip / 2;
+    if (p->strip % STRIP_ROWS == 0) /* cells of a fit are not cut */
+        first = (first + STRIP_ROWS / 2) / STRIP_ROWS * STRIP_ROWS;
+    first = first + p->strip > p->height ? p->height - p->strip : first;
     first = first < 0 ? 0 : first;
-    *out_end = first + p->strip < p->height ? first + p->strip : p->height;
+    *out_end = first + p->strip;
     return first;
 }
 
@@ -149,13 +155,34 @@ static lf_status measure_rows(lf_rendering *r, lf_plan *plan, lf_plan_pilot *p, 
 
 /* ------------------------------------------------------------------------------------- model -- */
 
-/* The renderer of the light field of r, with what its first pass makes; *out_cpu: its time. The
- * film is empty. */
-static lf_status begin(lf_rendering *r, double *out_cpu, double *out_memory, lf_error *err)
+/* Rows that all workers render at once, for what the first pass and the first fit make. */
+static lf_part first_rows(const lf_rendering *r)
 {
-    const lf_part part = {.end_row = lf_pool_threads(r->pool) < r->settings.height
-                                         ? lf_pool_threads(r->pool)
-                                         : r->settings.height};
+    const int threads = lf_pool_threads(r->pool), height = r->settings.height;
+    return (lf_part){.end_row = threads < height ? threads : height};
+}
+
+/* Memory of a fit of almost nothing. */
+static lf_status measure_fit(lf_rendering *r, lf_plan *plan, lf_error *err)
+{
+    if (!r->reconstructs)
+        return LF_OK;
+    lf_process_forget_peak();
+    const double before = lf_process_memory();
+    lf_status status = lf_renderer_fit(r->renderer, r->cancel);
+    plan->least_fit = fmax(0, fmax(lf_process_memory(), lf_process_peak()) - before);
+    lf_renderer_destroy(r->renderer); /* later fits do not begin with this one */
+    r->renderer = NULL;
+    return status == LF_OK ? lf_renderer_create(r->scene, &r->settings, r->pool, &r->renderer, err)
+                           : lf_error_set(err, status, r->arguments->out, "cannot measure");
+}
+
+/* The renderer of the light field of r, with an empty film. *out_cpu: what it and its first pass
+ * take. */
+static lf_status begin(lf_rendering *r, lf_plan *plan, double *out_cpu, double *out_memory,
+                       lf_error *err)
+{
+    const lf_part part = first_rows(r);
     const double start = lf_process_cpu();
     lf_render_stats stats;
     lf_status status = r->renderer
@@ -163,7 +190,7 @@ static lf_status begin(lf_rendering *r, double *out_cpu, double *out_memory, lf_
                            : lf_renderer_create(r->scene, &r->settings, r->pool, &r->renderer, err);
     if (status != LF_OK)
         return status;
-    status = lf_renderer_pass(r->renderer, &part, 1, NULL, NULL, r->cancel);
+    status = lf_renderer_passes(r->renderer, &part, 2, false, NULL, NULL, r->cancel);
     if (status != LF_OK)
         return lf_error_set(err, status, r->arguments->out,
                             "interrupted; the plan is not complete");
@@ -171,32 +198,51 @@ static lf_status begin(lf_rendering *r, double *out_cpu, double *out_memory, lf_
     lf_renderer_stats(r->renderer, &stats);
     *out_memory =
         lf_process_memory() - (double)stats.film_bytes / r->settings.height * part.end_row;
-    return lf_renderer_restart(r->renderer, r->scene, &r->settings, err);
+    status = measure_fit(r, plan, err);
+    return status == LF_OK && !r->reconstructs
+               ? lf_renderer_restart(r->renderer, r->scene, &r->settings, err)
+               : status;
 }
 
-/* Renders a part of the light field of r and adds it to the model. */
-static lf_status add_sample(lf_rendering *r, lf_plan *plan, double field, lf_plan_pilot *pilot,
-                            lf_error *err)
+/* Times of a job without a number of passes: those of --time, or unknown. */
+static void take_time(const lf_rendering *r, const lf_plan *plan, lf_plan_sample *sample)
+{
+    const double seconds = lf_rendering_budget(r).seconds;
+    for (int row = 0; row < plan->height; row++)
+        sample->row_cpu[row] = seconds * lf_pool_threads(r->pool) / plan->height;
+    if (seconds > 0)
+        return;
+    lf_free(sample->row_cpu);
+    sample->row_cpu = NULL;
+}
+
+/* Renders a part of the light field of r and adds it to the model. start: CPU seconds of the
+ * process before its scene was read. */
+static lf_status add_sample(lf_rendering *r, lf_plan *plan, double field, double start,
+                            lf_plan_pilot *pilot, lf_error *err)
 {
     lf_plan_model *m = &plan->model;
     lf_plan_sample *sample = &m->samples[m->n_samples];
     double memory = 0;
     *sample = (lf_plan_sample){.field = field};
-    lf_status status = begin(r, &sample->begin_cpu, &memory, err);
+    const double scene = lf_process_cpu() - start;
+    lf_status status = begin(r, plan, &sample->begin_cpu, &memory, err);
     if (status != LF_OK)
         return status;
+    sample->begin_cpu += scene;
     m->n_samples++;
     m->base = fmax(m->base, memory);
-    const double seconds = lf_rendering_budget(r).seconds;
-    if (plan->passes == 0 && !(seconds > 0))
-        return LF_OK;
     sample->row_cpu = lf_calloc((size_t)plan->height, sizeof *sample->row_cpu);
     if (!sample->row_cpu)
         return lf_error_set(err, LF_E_NOMEM, r->arguments->out, "out of memory");
-    for (int row = 0; row < plan->height; row++)
-        sample->row_cpu[row] = seconds * lf_pool_threads(r->pool) / plan->height;
+    const int64_t passes = plan->passes;
+    plan->passes = passes > 0 ? passes : LEAST_PASSES;
     choose_rows(r, plan, pilot);
-    return plan->passes > 0 ? measure_rows(r, plan, pilot, sample->row_cpu, err) : LF_OK;
+    status = measure_rows(r, plan, pilot, sample->row_cpu, err);
+    plan->passes = passes;
+    if (passes == 0)
+        take_time(r, plan, sample);
+    return status;
 }
 
 static void add_sums(const lf_rendering *r, lf_plan *plan)
@@ -211,14 +257,52 @@ static void add_sums(const lf_rendering *r, lf_plan *plan)
     m->save_interval = LF_STATE_INTERVAL * lf_pool_threads(r->pool);
 }
 
+/* Loads the scene of a frame; camera: of frame 1. */
+static lf_status take_frame(lf_rendering *r, int frame, const lf_camera *camera, lf_error *err)
+{
+    json_t *patch = lf_frames_patch_turned(&r->arguments->frames, camera, frame);
+    lf_scene *next = NULL;
+    r->sequence.frame = frame;
+    const lf_status status = lf_rendering_patched(r, patch, r->scene, &next, err);
+    json_decref(patch);
+    if (status != LF_OK)
+        return status;
+    lf_scene_unref(r->scene);
+    r->scene = next;
+    const lf_status resolved = lf_rendering_resolve(r, err);
+    if (r->settings.camera.n_rows > 0) /* one of them is measured */
+        r->settings.camera = lf_camera_row(&r->settings.camera, r->settings.camera.n_rows / 2);
+    return resolved;
+}
+
+/* Frames may change: two of them are measured. */
+static lf_status add_frames(lf_rendering *r, lf_plan *plan, lf_plan_pilot *pilot, lf_error *err)
+{
+    const lf_camera camera = *lf_scene_camera(r->scene);
+    const int first = plan->job.first, n = plan->job.last - first,
+              frames[] = {first + n / 4, plan->job.last - n / 4};
+    lf_status status = LF_OK;
+    for (int i = 0; i < (n > 0 ? 2 : 1) && status == LF_OK; i++) {
+        const double start = lf_process_cpu();
+        status = take_frame(r, frames[i], &camera, err);
+        if (status == LF_OK)
+            status = add_sample(r, plan, frames[i], start, pilot, err);
+    }
+    return status;
+}
+
 lf_status lf_plan_measure(lf_rendering *r, lf_plan *plan, lf_error *err)
 {
     lf_plan_model *m = &plan->model;
     lf_plan_pilot pilot = {0};
+    const double start = lf_process_cpu();
+    const bool moves = r->sequence.on && !r->arguments->frames.of_rows;
     m->height = plan->height;
-    m->load_cpu = lf_process_cpu();
+    m->load_cpu = start;
     m->loading = lf_process_peak();
-    lf_status status = add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), &pilot, err);
+    lf_status status =
+        moves ? add_frames(r, plan, &pilot, err)
+              : add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), start, &pilot, err);
     if (status != LF_OK)
         return status;
     add_sums(r, plan);

@@ -112,10 +112,10 @@ static void print_costs(const lf_rendering *r, const lf_plan *plan)
     if (d->n_tasks > 1)
         print_time("a task", most.cpu_seconds);
     print_time("all", all);
-    if (plan->rows_measured > 0)
-        printf("# measured on %d of %d image rows\n", plan->rows_measured, plan->height);
-    else if (lf_rendering_budget(r).seconds > 0)
+    if (lf_rendering_budget(r).seconds > 0)
         printf("# --time gives the time\n");
+    else
+        printf("# measured on %d of %d image rows\n", plan->rows_measured, plan->height);
 }
 
 /* The state of a task's rows; all: of the merged rows. The caller frees it. NULL = out of

@@ -110,6 +110,8 @@ json_t *lf_plan_join_command(const lf_rendering *r, const lf_plan *plan)
     char range[32];
     snprintf(range, sizeof range, "%d:%d", plan->job.first, plan->job.last);
     json_t *words = json_pack("[s,s,s,s,s]", plan->frames, "-o", a->out, "--frames", range);
+    if (words && r->layout.n_views == 1 && a->options.columns == 0)
+        append(words, "--still");
     for (int i = 1; words && a->argv[i]; i++) {
         bool takes_argument = false;
         if (strcmp(a->argv[i], "--") == 0)

@@ -469,6 +469,10 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                                       : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
+    if (status == LF_E_ARG && lf_rendering_of_pictures(r)) /* --view-size is no remedy */
+        status = lf_error_set(err, status, r->path,
+                              "yuv420p cannot hold images with an odd side; use --pixel-format "
+                              "yuv444p");
     if (status == LF_OK && is_track && !r->arguments->plan.on &&
         !lf_state_is_all(&r->arguments->state))
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);

@@ -97,8 +97,8 @@ static void describe_parts(const lf_rendering *r, lf_plan *plan)
     lf_plan_job *job = &plan->job;
     const bool keeps_states = lf_renderer_is_its_film(r->renderer) && !r->settings.camera.list;
     job->is_whole = job->is_joined && !keeps_states;
-    job->can_band = keeps_states && plan->passes > 0 && plan->n_parts == 0 && !job->joins_files &&
-                    (plan->n_rows == 1 || job->is_joined);
+    job->can_band = keeps_states && plan->passes > 0 && plan->n_parts == 0 &&
+                    r->arguments->kind != &lf_output_video && (plan->n_rows == 1 || job->is_joined);
 }
 
 static lf_status divide_and_print(const lf_rendering *r, lf_plan *plan, lf_error *err)
@@ -106,7 +106,8 @@ static lf_status divide_and_print(const lf_rendering *r, lf_plan *plan, lf_error
     const lf_plan_arguments *asked = &r->arguments->plan;
     const lf_plan_limits limits = {60 * asked->minutes * lf_pool_threads(r->pool), asked->memory};
     lf_status status = lf_plan_divide(&plan->job, &plan->model, &limits, &plan->division, err);
-    const bool joins = plan->division.n_finishes > 0 && plan->job.joins_files;
+    const bool joins =
+        plan->division.n_finishes > 0 && r->arguments->kind == &lf_output_video && r->sequence.on;
     if (status == LF_OK && joins)
         status = name_frames(r, plan, err);
     if (status == LF_OK)

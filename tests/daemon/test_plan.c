@@ -186,6 +186,62 @@ static void a_grid_in_one_output_is_joined(void **state)
     json_decref(p);
 }
 
+/* Runs the commands of a plan as a shell does. */
+static void run_all(const char *text)
+{
+    char line[8192];
+    for (const char *at = text; *at; at = strchr(at, '\n') + 1) {
+        assert_non_null(strchr(at, '\n'));
+        snprintf(line, sizeof line, "%.*s 2> /dev/null", (int)strcspn(at, "\n"), at);
+        if (at[0] != '#' && system(line) != 0)
+            fail_msg("failed: %s", line);
+    }
+}
+
+/* Bands of rows, their merge and the finish make the file of one run; so do the rows of a grid. */
+static void the_commands_of_bands_make_the_same_file(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    char scene[PATH_MAX], a[PATH_MAX], b[PATH_MAX];
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    qr_run(&o, "%s -o %s/band.exr --spp 2 --plan --task-memory 1K " SIZE, f->scene, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.out, "\n# after all of these:\n"));
+    run_all(o.out);
+    qr_succeed("%s -o %s/whole.exr --spp 2 " SIZE, f->scene, f->folder);
+    snprintf(a, sizeof a, "%s/band_qs2x3a0.75.exr", f->folder);
+    snprintf(b, sizeof b, "%s/whole_qs2x3a0.75.exr", f->folder);
+    qr_assert_same_files(a, b);
+    qr_run(&o, "%s -o %s/tasks/ --spp 2 --plan --task-minutes 0 " SIZE, scene, f->folder);
+    assert_int_equal(o.code, 0);
+    run_all(o.out);
+    qr_succeed("%s -o %s/grid/ --spp 2 " SIZE, scene, f->folder);
+    for (int i = 0; i < 6; i++) {
+        snprintf(a, sizeof a, "%s/tasks/view_%03d.exr", f->folder, i);
+        snprintf(b, sizeof b, "%s/grid/view_%03d.exr", f->folder, i);
+        qr_assert_same_files(a, b);
+    }
+}
+
+/* A whole plate of a hologram: rows, and a last finish. */
+static void a_plate_is_completed_in_the_end(void **state)
+{
+    const qr_files *f = *state;
+    json_t *p =
+        plan("--plan --json --task-minutes 0 %s -o %s/plate/ --hologram views --spp 1 " SIZE,
+             grid_of(f), f->folder);
+    assert_member(p, "kind", "\"hologram\"");
+    assert_int_equal(count(p, "tasks"), 3);
+    assert_member(item(p, "tasks", 2), "fields", "[2,2]");
+    assert_member(item(p, "tasks", 2), "rows", "null");
+    assert_member(p, "frames_output", "null");
+    assert_int_equal(count(p, "finishes"), 1);
+    assert_member(item(p, "finishes", 0), "fields", "null");
+    assert_member(item(p, "finishes", 0), "tasks", "[0,2]");
+    json_decref(p);
+}
+
 /* A video: tasks write frames, which a finish joins. */
 static void a_video_is_frames_and_a_finish(void **state)
 {
@@ -305,6 +361,24 @@ static void a_receipt_names_every_file(void **state)
     json_decref(receipt(path, 1));
 }
 
+/* A run that writes a state alone. */
+static void a_receipt_names_states(void **state)
+{
+    const qr_files *f = *state;
+    char path[PATH_MAX], name[PATH_MAX];
+    snprintf(path, sizeof path, "%s/receipt.json", f->folder);
+    qr_succeed("%s -o %s/r_%%d/ --camera-rows 1:2 --rows 0:2 --state %s/s.lfstate --spp 1 --files "
+               "%s " SIZE,
+               grid_of(f), f->folder, f->folder, path);
+    json_t *r = receipt(path, 2);
+    snprintf(name, sizeof name, "%s/s_0002.lfstate", f->folder);
+    assert_string_equal(json_string_value(json_object_get(item(r, "files", 1), "name")), name);
+    json_decref(r);
+    qr_succeed("%s -o %s/one.png --rows 0:2 --state %s/one.lfstate --spp 1 --files %s " SIZE,
+               f->scene, f->folder, f->folder, path);
+    json_decref(receipt(path, 1));
+}
+
 static void a_receipt_names_what_is_beside_a_print(void **state)
 {
     const qr_files *f = *state;
@@ -338,10 +412,14 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(other_light_fields_stay_whole, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_grid_in_one_output_is_joined, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(the_commands_of_bands_make_the_same_file, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_plate_is_completed_in_the_end, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_video_is_frames_and_a_finish, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(memory_of_the_film_is_exact, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_receipt_names_states, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(a_failed_run_leaves_no_receipt, qr_set_up, qr_tear_down),

@@ -87,6 +87,32 @@ static void a_job_gives_the_film_of_so_many_passes(void **state)
     }
 }
 
+static void count_visit(void *context, int passes, int worker)
+{
+    (void)passes;
+    (void)worker;
+    atomic_fetch_add((atomic_int *)context, 1);
+}
+
+/* Plans count the visits of a job; its rows make them. */
+static void visits_are_those_that_rows_have(void **state)
+{
+    static const int64_t passes[] = {1, 2, 5, VIEWS, 2 * VIEWS, 4 * VIEWS + 3, 40 * VIEWS};
+    fixture *f = *state;
+    for (int features = 0; features < 2; features++)
+        for (size_t i = 0; i < sizeof passes / sizeof passes[0]; i++) {
+            atomic_int n = 0;
+            f->settings.features = features;
+            restart(f);
+            for (int64_t left = passes[i]; left > 0; left -= 2 * VIEWS)
+                lf_assert_ok(lf_renderer_passes(f->renderer, NULL,
+                                                left < 2 * VIEWS ? left : 2 * VIEWS, false,
+                                                count_visit, &n, NULL),
+                             NULL);
+            assert_int_equal(lf_renderer_visits(f->renderer, passes[i]) * HEIGHT, n);
+        }
+}
+
 /* A film that keeps features answers as it is asked to. */
 static void the_reconstructed_picture_is_given_to_who_asks_for_it(void **state)
 {
@@ -449,6 +475,7 @@ int main(void)
     lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_job_gives_the_film_of_so_many_passes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(visits_are_those_that_rows_have, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_reconstructed_picture_is_given_to_who_asks_for_it,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(progress_rises_to_the_end, set_up, tear_down),
