@@ -209,7 +209,7 @@ $(O)/$(1:.c=): $(call objs,$(1)) $(call fuzz_libs,$(notdir $(1:.c=)))
 endef
 $(foreach f,$(fuzz_srcs),$(eval $(call fuzz_target,$(f))))
 # films know nothing of the rest of their module
-$(O)/tests/fuzz/fuzz_film: $(call objs,$(call module_files,render/film,*.c))
+$(addprefix $(O)/tests/fuzz/fuzz_,film merge): $(call objs,$(call module_files,render/film,*.c))
 
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
@@ -221,7 +221,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-clients-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
-tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh js.sh page_modules.sh $(if $(filter release,$(BUILD)),node.sh readme.sh guides.sh page.sh web_soak.sh) arm64.sh)
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh js.sh page_modules.sh farm.sh $(if $(filter release,$(BUILD)),node.sh readme.sh guides.sh page.sh web_soak.sh) arm64.sh)
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
 check-now: tests

@@ -225,7 +225,7 @@ void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t s
     lf_free(w.data);
 }
 
-/* ------------------------------------------------------------------------------------- size -- */
+/* -------------------------------------------------------------------------------------- size -- */
 
 /* Finds the last chunk; the chunks before it may be cut off only with it. */
 static bool ends(const lf_image_source *source)

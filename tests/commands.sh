@@ -57,6 +57,7 @@ quiltbench\ curve) arguments+=(--reference-spp 2) size=1 ;;
 quiltfarm\ plan) [ -n "$length" ] || arguments+=(--passes 1) ;;
 *) size=1 ;;
 esac
+case " $*" in *' scenes/hologram.json '*' --hologram '*) arguments+=(--camera-rows 0:1) ;; esac # two rows of 114
 [ -n "$size" ] || arguments+=(--view-size "$VIEW_SIZE")
 exec "$PROGRAMS/$program" "${arguments[@]}"
 END

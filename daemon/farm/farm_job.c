@@ -31,6 +31,19 @@ char *lf_farm_job_path(const lf_farm_job *job, const char *format, ...)
     return lf_path_join(job->path, name);
 }
 
+void lf_farm_job_words(const lf_farm_job *job, const json_t *texts, size_t first,
+                       lf_farm_words *words)
+{
+    const char *frames = json_string_value(json_object_get(job->plan, "frames_output"));
+    for (size_t i = first; i < json_array_size(texts); i++) {
+        const char *word = json_string_value(json_array_get(texts, i));
+        if (frames && strcmp(word, frames) == 0)
+            lf_farm_words_add(words, "%s/%s", job->path, word);
+        else
+            lf_farm_words_add(words, "%s", word);
+    }
+}
+
 static const char *step_words(const lf_farm_job *job, int step, char between,
                               char buf[LF_FARM_STEP_NAME])
 {
@@ -239,6 +252,20 @@ static bool are_words(const json_t *list)
     return json_is_array(list);
 }
 
+/* True if words have an option, in full or abbreviated. */
+static bool have_option(const json_t *words, const char *option)
+{
+    for (size_t i = 0; i < json_array_size(words); i++) {
+        const char *word = json_string_value(json_array_get(words, i));
+        const size_t n = strcspn(word, "=");
+        if (strcmp(word, "--") == 0)
+            return false;
+        if (n > 2 && strncmp(word, option, n) == 0)
+            return true;
+    }
+    return false;
+}
+
 static lf_status read_plan(lf_farm_job *job, lf_error *err)
 {
     job->plan = json_object_get(job->json, "plan");
@@ -253,6 +280,10 @@ static lf_status read_plan(lf_farm_job *job, lf_error *err)
         return bad_plan(job->path, "its light fields are not numbers", err);
     if (!are_words(job->command) || (job->join && !are_words(job->join)))
         return bad_plan(job->path, "its command is no list of words", err);
+    const json_t *words = json_object_get(job->json, "words");
+    if (!are_words(words))
+        return bad_plan(job->path, "the words of its command are missing", err);
+    job->names_fields = job->field_option && have_option(words, job->field_option);
     return read_steps(job, err);
 }
 
@@ -270,6 +301,7 @@ static const char readme[] =
     "tasks         one command per line; task K is line K + 1\n"
     "finishes      commands that make files from the states of tasks\n"
     "task.sbatch   the script that Slurm runs\n"
+    "frames/       frames of a film, which its finish joins\n"
     "states/       saved work of tasks\n"
     "done/         receipts of complete tasks (.json), and words of failed ones (.failed)\n"
     "log/          what tasks and schedulers printed\n"
@@ -311,8 +343,10 @@ static lf_status write_text(const lf_farm_job *job, const char *name, const char
 
 static lf_status make_folders(const lf_farm_job *job, lf_error *err)
 {
-    static const char *const names[] = {"states", "done", "log"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    static const char *const names[] = {"states", "done", "log", "frames"};
+    const bool has_frames = json_is_string(json_object_get(job->plan, "frames_output"));
+    const size_t n = sizeof names / sizeof *names - (has_frames ? 0 : 1);
+    for (size_t i = 0; i < n; i++) {
         char *path = lf_farm_job_path(job, "%s", names[i]);
         const bool made = path && (mkdir(path, 0777) == 0 || errno == EEXIST);
         const int why = errno;
@@ -330,10 +364,8 @@ static lf_status make_folder(const char *path, lf_error *err)
         return lf_error_set(err, LF_E_ARG, path,
                             "has a character that schedulers replace (%%, backslash, line end); "
                             "choose another name");
-    if (mkdir(path, 0777) == 0)
-        return LF_OK;
-    return errno == EEXIST
-               ? lf_error_set(err, LF_E_EXISTS, path, "exists; choose a new folder for the job")
+    return mkdir(path, 0777) == 0 || errno == EEXIST /* with the scene, as plan has seen */
+               ? LF_OK
                : lf_error_set(err, LF_E_IO, path, "cannot be made: %s", lf_errno_text(errno));
 }
 
@@ -345,29 +377,45 @@ static char *absolute(const char *path)
     return copy;
 }
 
-/* The rows of a hologram plate are rendered one by one, and its manifest needs them all. */
-static bool add_closing_finish(json_t *plan)
+/* The rows of a hologram plate are rendered one by one, and its manifest needs them all. A command
+ * with --camera-rows makes rows only. */
+static bool add_closing_finish(const json_t *words, json_t *plan)
 {
-    const char *kind = json_string_value(json_object_get(plan, "kind"));
-    json_t *finishes = json_object_get(plan, "finishes"), *finish;
-    const int last = (int)json_array_size(json_object_get(plan, "tasks")) - 1;
+    const char *kind = json_string_value(json_object_get(plan, "kind")),
+               *option = json_string_value(json_object_get(plan, "field_option"));
+    json_t *tasks = json_object_get(plan, "tasks"), *finishes = json_object_get(plan, "finishes"),
+           *finish;
     size_t i;
-    if (!kind || strcmp(kind, "hologram") != 0 || last < 1)
+    if (!kind || strcmp(kind, "hologram") != 0 || !option || have_option(words, option) ||
+        !json_is_array(json_object_get(json_array_get(tasks, 0), "fields")))
         return true;
     json_array_foreach(finishes, i,
                        finish) if (json_is_null(json_object_get(finish, "fields"))) return true;
-    return json_array_append_new(finishes, json_pack("{s:n, s:[i,i], s:i, s:i}", "fields", "tasks",
-                                                     0, last, "cpu_seconds", 1, "memory", 0)) == 0;
+    return json_array_append_new(finishes, json_pack("{s:n, s:[i,i], s:f, s:i}", "fields", "tasks",
+                                                     0, (int)json_array_size(tasks) - 1,
+                                                     "cpu_seconds", 1.0, "memory", 0)) == 0;
+}
+
+/* The content of job.json. A new reference; NULL = out of memory. */
+static json_t *make_json(const char *path, const lf_farm_engine *engine, const char *folder,
+                         char *const words[], json_t *plan)
+{
+    json_t *list = json_array();
+    for (; list && *words; words++)
+        json_array_append_new(list, json_string(*words));
+    if (list && !add_closing_finish(list, plan)) {
+        json_decref(list);
+        return NULL;
+    }
+    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:O}", "quiltd", LF_VERSION, "job", path, "folder",
+                     folder, "engine", engine->name, "words", list, "plan", plan);
 }
 
 lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const char *folder,
-                           json_t *plan, lf_error *err)
+                           char *const words[], json_t *plan, lf_error *err)
 {
     lf_farm_job job = {.lock_fd = -1, .path = lf_strdup(path)};
-    if (!add_closing_finish(plan))
-        return bad_plan(path, "it has no list of finishes", err);
-    job.json = json_pack("{s:s, s:s, s:s, s:s, s:O}", "quiltd", LF_VERSION, "job", path, "folder",
-                         folder, "engine", engine->name, "plan", plan);
+    job.json = make_json(path, engine, folder, words, plan);
     lf_status status = job.path && job.json ? read_plan(&job, err) : lf_farm_no_memory(path, err);
     if (status == LF_OK)
         status = make_folder(path, err);

@@ -3,6 +3,7 @@
  *     job.json      what is rendered and how it is divided; never changes
  *     tasks         one command per line, task K in line K + 1
  *     finishes      the same for finishes, which need the tasks' states
+ *     frames/       of a film, until they are joined
  *     states/       saved and finished accumulations
  *     done/         per step: NAME.json, a receipt: the files that it made; NAME.failed, how it
  *                   failed; NAME.cost, what it has used; NAME.running, where it runs
@@ -40,6 +41,7 @@ typedef struct lf_farm_job {
     const json_t *join;           /* words of the finish, without the program; NULL: as tasks */
     const char *folder;           /* that words of the command are relative to */
     const char *field_option;     /* NULL: no fields */
+    bool names_fields;            /* the user's command has the option */
     int fields[2];                /* of the job */
     int n_tasks, n_finishes;
     int threads;
@@ -47,11 +49,12 @@ typedef struct lf_farm_job {
     int lock_fd;         /* -1: not locked */
 } lf_farm_job;
 
-/* Makes the folder from a plan (quiltrender --plan --json). All strings are borrowed; folder is
- * absolute. LF_E_EXISTS: there is a job, or another file; LF_E_FORMAT: the plan is not one;
- * LF_E_ARG: a name that schedulers would change. */
+/* Makes the folder from a plan (quiltrender --plan --json) of a command with these words. All
+ * strings are borrowed; folder is absolute. Adds keys to plan. LF_E_EXISTS: there is a job, or
+ * another file; LF_E_FORMAT: the plan is not one; LF_E_ARG: a name that schedulers would change. */
 LF_NODISCARD lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine,
-                                        const char *folder, json_t *plan, lf_error *err);
+                                        const char *folder, char *const words[], json_t *plan,
+                                        lf_error *err);
 /* Reads a job. Zeroes *out first. LF_E_FORMAT: damaged, or of another version; LF_E_STATE: its
  * folder was moved; LF_E_IO. */
 LF_NODISCARD lf_status lf_farm_job_open(const char *path, lf_farm_job *out, lf_error *err);
@@ -61,6 +64,10 @@ LF_NODISCARD lf_status lf_farm_job_lock(lf_farm_job *job, lf_error *err);
 /* True if another process has the lock. */
 bool lf_farm_job_is_locked(const lf_farm_job *job);
 
+/* Adds words of the plan from an index on. The names of a film's frames, which are in the folder,
+ * get its path. */
+void lf_farm_job_words(const lf_farm_job *job, const json_t *texts, size_t first,
+                       lf_farm_words *words);
 /* A name in the folder; caller frees with lf_free. NULL = out of memory. */
 char *lf_farm_job_path(const lf_farm_job *job, const char *format, ...) LF_PRINTF(2, 3);
 /* "task_3"; returns buf. */

@@ -79,7 +79,7 @@ static lf_status write_list(const lf_farm_job *job, const bool *wanted, int firs
     }
     if (out && fclose(out) != 0 && status == LF_OK)
         status = lf_farm_no_memory(job->path, err);
-    if (status == LF_OK)
+    if (status == LF_OK && *out_n > 0)
         status = lf_outfile_text(path, text, err);
     free(text);
     return status;

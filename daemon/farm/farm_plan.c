@@ -3,10 +3,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/farm_engine.h"
@@ -14,6 +16,7 @@
 #include "daemon/farm/farm_text.h"
 
 #define RENDERER "quiltrender"
+#define MERGER "quiltmerge"
 
 /* ----------------------------------------------------------------------------------- options -- */
 
@@ -112,18 +115,30 @@ static void warn_of_room(const lf_farm_job *job)
                lf_farm_bytes(bytes, needed, sizeof needed));
 }
 
+/* Hours of work are in vain if the programs of the last step are missing. */
+static void warn_of_merger(const lf_farm_job *job)
+{
+    char path[PATH_MAX];
+    bool has_bands = false;
+    for (int i = 0; i < job->n_tasks; i++)
+        has_bands |= job->steps[i].rows[0] >= 0;
+    if (has_bands && lf_farm_find(MERGER, path, NULL) != LF_OK)
+        lf_log(LF_LOG_WARNING, MERGER ": not found beside quiltfarm and in PATH; the finishes "
+                                      "need it");
+}
+
 static void print_wall(const lf_farm_job *job, const cost *c, int asked)
 {
     const int usual[] = {1, 10, 100};
     char text[32];
     printf("  wall time   ");
-    if (asked > 0)
-        printf("%s with %d tasks at once",
-               lf_farm_seconds(wall_seconds(job, c, asked), text, sizeof text), asked);
-    for (int i = 0; i < 3 && asked == 0 && (i == 0 || usual[i - 1] < job->n_tasks); i++)
-        printf("%s%s with %d", i > 0 ? ", " : "",
-               lf_farm_seconds(wall_seconds(job, c, usual[i]), text, sizeof text), usual[i]);
-    printf("%s\n", asked > 0 ? "" : " tasks at once");
+    for (int i = 0; i < 3 && (i == 0 || (asked == 0 && usual[i - 1] < job->n_tasks)); i++) {
+        const int slots = asked > 0 ? asked : usual[i];
+        printf("%s%s with %d task%s at once", i > 0 ? ", " : "",
+               lf_farm_seconds(wall_seconds(job, c, slots), text, sizeof text), slots,
+               slots == 1 ? "" : "s");
+    }
+    putchar('\n');
 }
 
 static void print_cost(const lf_farm_job *job, int slots)
@@ -206,6 +221,21 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
     return status;
 }
 
+/* A folder that exists is taken if the scene is in it, and no job: quiltd writes the scene so. */
+static bool is_free(const char *folder, const char *scene)
+{
+    struct stat given, inside;
+    char *parent = lf_path_folder(scene), *job = lf_path_join(folder, "job.json");
+    const bool is_free =
+        access(folder, F_OK) != 0 ||
+        (parent && job && stat(folder, &given) == 0 && stat(parent, &inside) == 0 &&
+         given.st_dev == inside.st_dev && given.st_ino == inside.st_ino &&
+         access(scene, F_OK) == 0 && access(job, F_OK) != 0);
+    lf_free(parent);
+    lf_free(job);
+    return is_free;
+}
+
 lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
 {
     const char *name = c->options->engine ? c->options->engine : lf_farm_engine_name(0);
@@ -215,13 +245,13 @@ lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
     if (!c->words[0])
         return lf_error_set(err, LF_E_ARG, "plan",
                             "has nothing to render; pass it as -- SCENE -o OUT");
-    if (access(c->job, F_OK) == 0)
+    if (!is_free(c->job, c->words[0]))
         return lf_error_set(err, LF_E_EXISTS, c->job, "exists; choose a new folder for the job");
     if (!getcwd(folder, sizeof folder))
         return lf_error_set(err, LF_E_IO, ".", "the working folder has no name");
     lf_status status = ask_renderer(c, &plan, err);
     if (status == LF_OK)
-        status = lf_farm_job_make(c->job, lf_farm_engine_find(name), folder, plan, err);
+        status = lf_farm_job_make(c->job, lf_farm_engine_find(name), folder, c->words, plan, err);
     json_decref(plan);
     if (status != LF_OK)
         return status;
@@ -230,8 +260,10 @@ lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
         print_json(&job, c->options->slots);
     else if (status == LF_OK)
         print_cost(&job, c->options->slots);
-    if (status == LF_OK)
+    if (status == LF_OK) {
         warn_of_room(&job);
+        warn_of_merger(&job);
+    }
     lf_farm_job_close(&job);
     return status;
 }

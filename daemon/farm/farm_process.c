@@ -302,6 +302,7 @@ lf_status lf_farm_process_read(char *const words[], char **out_text, int *out_co
     if (pid < 0 || (result == LF_OK && *out_code == CANNOT_START)) {
         if (result == LF_OK)
             lf_free(*out_text);
+        *out_text = NULL;
         result = lf_error_set(err, LF_E_IO, words[0], "cannot be started; is it installed?");
     }
     return result;

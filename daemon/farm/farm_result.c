@@ -299,25 +299,36 @@ void lf_farm_result_tidy(const lf_farm_job *job, int step)
         remove_states(job, i);
 }
 
-static void add_name(const lf_farm_job *job, const json_t *file, json_t *names)
+/* seen: an object whose keys are the names so far. */
+static void add_name(const lf_farm_job *job, const json_t *file, json_t *seen, json_t *names)
 {
     const char *name = json_string_value(json_object_get(file, "name"));
     char *path = name ? lf_path_join(job->folder, name) : NULL;
-    if (path)
+    if (path && !json_object_get(seen, path)) {
+        json_object_set_new(seen, path, json_true());
         json_array_append_new(names, json_string(path));
+    }
     lf_free(path);
+}
+
+/* Steps that make output files: no states, and no frames to be joined. */
+static bool makes_output(const lf_farm_job *job, int step)
+{
+    return job->steps[step].rows[0] < 0 && (step >= job->n_tasks || !job->join);
 }
 
 json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results)
 {
-    json_t *names = json_array();
+    json_t *names = json_array(), *seen = json_object();
     for (int i = 0; names && i < job->n_tasks + job->n_finishes; i++) {
-        if (!results[i].complete || job->steps[i].rows[0] >= 0)
+        if (!results[i].complete || !makes_output(job, i))
             continue;
         json_t *receipt = object_of(job, i, RECEIPT), *file;
         size_t at;
-        json_array_foreach(json_object_get(receipt, "files"), at, file) add_name(job, file, names);
+        json_array_foreach(json_object_get(receipt, "files"), at, file)
+            add_name(job, file, seen, names);
         json_decref(receipt);
     }
+    json_decref(seen);
     return names;
 }

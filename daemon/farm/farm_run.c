@@ -37,13 +37,15 @@ static lf_status say_end(const lf_farm_run *run, const char *program, lf_error *
         return LF_OK;
     if (lf_farm_is_told_to_end() || run->code == LF_EXIT_INTERRUPTED)
         return lf_error_set(err, LF_E_CANCELLED, program, "interrupted");
-    if (run->signal == SIGKILL)
+    /* a shell between the two answers 128 + signal */
+    const int number = run->signal == 0 && run->code > 128 ? run->code - 128 : run->signal;
+    if (number == SIGKILL)
         return lf_error_set(err, LF_E_STATE, program,
                             "was killed, perhaps because memory was short; its last line: %s",
                             run->last);
-    if (run->signal != 0)
+    if (number != 0)
         return lf_error_set(err, LF_E_STATE, program, "was ended by signal %d; its last line: %s",
-                            run->signal, run->last);
+                            number, run->last);
     return run->last[0] != '\0'
                ? lf_error_set(err, LF_E_STATE, "", "%s", run->last)
                : lf_error_set(err, LF_E_STATE, program, "ended with status %d", run->code);
@@ -78,23 +80,30 @@ static void add_path(lf_farm_words *words, char *path)
     lf_free(path);
 }
 
-/* The command of a task or finish, without its state. */
-static void add_command(const runner *r, lf_farm_words *words)
+/* Adds the light fields of a step. One without fields has all, which the user's command named or
+ * not: for some outputs it makes a difference. */
+static void add_fields(const runner *r, lf_farm_words *words)
 {
     const lf_farm_step *s = &r->job->steps[r->step];
-    const bool joins = r->step >= r->job->n_tasks && r->job->join;
+    int fields[2];
+    lf_farm_step_fields(r->job, r->step, fields);
+    if (fields[0] < 0 || (s->fields[0] < 0 && !r->job->names_fields))
+        return;
+    lf_farm_words_add(words, "%s", r->job->field_option);
+    lf_farm_words_add(words, "%d:%d", fields[0], fields[1]);
+}
+
+/* The options of a step, before the words of the command, which may end the options. */
+static void add_options(const runner *r, bool joins, bool with_state, lf_farm_words *words)
+{
+    const lf_farm_step *s = &r->job->steps[r->step];
     char name[LF_FARM_STEP_NAME];
-    lf_farm_words_add(words, "%s", RENDERER);
-    if (joins)
-        lf_farm_words_add_json(words, r->job->join, 0);
-    else
-        lf_farm_words_add_json(words, r->job->command, 1);
-    if (s->fields[0] >= 0 && !joins) {
-        lf_farm_words_add(words, "%s", r->job->field_option);
-        lf_farm_words_add(words, "%d:%d", s->fields[0], s->fields[1]);
+    if (!joins)
+        add_fields(r, words);
+    if (with_state) {
+        lf_farm_words_add(words, "--state");
+        add_path(words, lf_farm_step_state(r->job, r->step, -1));
     }
-    lf_farm_words_add(words, "--threads");
-    lf_farm_words_add(words, "%d", r->job->threads);
     if (s->rows[0] >= 0) {
         lf_farm_words_add(words, "--rows");
         lf_farm_words_add(words, "%d:%d", s->rows[0], s->rows[1]);
@@ -105,18 +114,16 @@ static void add_command(const runner *r, lf_farm_words *words)
     }
 }
 
-static void add_state(const runner *r, lf_farm_words *words)
-{
-    lf_farm_words_add(words, "--state");
-    add_path(words, lf_farm_step_state(r->job, r->step, -1));
-}
-
 static lf_status render(runner *r, bool with_state, lf_error *err)
 {
+    const bool joins = r->step >= r->job->n_tasks && r->job->join;
     lf_farm_words words = {0};
-    add_command(r, &words);
-    if (with_state)
-        add_state(r, &words);
+    lf_farm_words_add(&words, "%s", RENDERER);
+    add_options(r, joins, with_state, &words);
+    if (joins)
+        lf_farm_job_words(r->job, r->job->join, 0, &words);
+    else
+        lf_farm_job_words(r->job, r->job->command, 1, &words);
     const lf_status status = run_program(r, RENDERER, &words, err);
     lf_farm_words_finish(&words);
     return status;

@@ -4,7 +4,9 @@
 
 const char *lf_farm_seconds(double seconds, char *buf, size_t size)
 {
-    if (seconds < 10)
+    if (seconds > 0 && seconds < 0.1)
+        snprintf(buf, size, "below 0.1 s");
+    else if (seconds < 10)
         snprintf(buf, size, "%.1f s", seconds);
     else if (seconds < 100)
         snprintf(buf, size, "%.0f s", seconds);

@@ -21,7 +21,7 @@ const lf_param lf_frames_params[] = {
      .high = MOST_FRAME, .help = "render N frames of one camera orbit around the target"},
     {.option = "frames", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, has_range), .high = MOST_FRAME,
-     .help = "render frames A to B of an animated scene or of the turntable"},
+     .help = "render frames A to B of an animated scene or turntable, or take these images"},
     {.option = "frames", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE, .high = MOST_FRAME},
     {.option = "camera-rows", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, of_rows), .high = LF_MAX_CAMERA_ROWS - 1,

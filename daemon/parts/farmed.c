@@ -162,7 +162,8 @@ static lf_status start(lf_farmed_job *job, const lf_farmed_order *order, lf_erro
 {
     lf_farmed *farmed = job->farmed;
     job->order = *order;
-    job->record = lf_farmed_record_path(farmed, order->folder.path);
+    if (!job->record)
+        job->record = lf_farmed_record_path(farmed, order->folder.path);
     if (lf_thread_start("lf-farmed", job_main, job, &job->thread) != LF_OK) {
         job->order = (lf_farmed_order){.folder.folder_fd = -1};
         free_job(job);
@@ -236,6 +237,7 @@ static void take_up(lf_farmed *farmed, const char *path, unsigned bits, int64_t 
         status = lf_error_set(&err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK) {
         job->is_submitted = true;
+        job->record = lf_strdup(path);
         status = start(job, &order, &err);
     }
     if (status == LF_OK) {

@@ -102,16 +102,33 @@ char *lf_farmed_said(const lf_farmed_child *child)
     return text_of(child->said, SAID_BYTES);
 }
 
-/* The last line that is not empty, without the program's name before it. */
-static const char *last_line(char *text)
+/* The last line that is not empty; it begins at *out_begin. */
+static const char *cut_line(char *text, size_t *out_begin)
 {
-    static const char name[] = LF_FARMED_PROGRAM ": ";
     size_t n = strlen(text);
     while (n > 0 && (text[n - 1] == '\n' || text[n - 1] == '\r' || text[n - 1] == ' '))
         text[--n] = '\0';
     while (n > 0 && text[n - 1] != '\n' && text[n - 1] != '\r')
         n--;
-    return strncmp(text + n, name, strlen(name)) == 0 ? text + n + strlen(name) : text + n;
+    *out_begin = n;
+    return text + n;
+}
+
+/* The last line without the program's name before it. If it blames quiltrender, the line before,
+ * where quiltrender says why. */
+static const char *last_line(char *text)
+{
+    static const char name[] = LF_FARMED_PROGRAM ": ", blamed[] = "quiltrender: ";
+    size_t begin;
+    const char *line = cut_line(text, &begin);
+    if (strncmp(line, name, strlen(name)) != 0)
+        return line;
+    line += strlen(name);
+    if (begin == 0 || strncmp(line, blamed, strlen(blamed)) != 0)
+        return line;
+    text[begin - 1] = '\0';
+    const char *before = cut_line(text, &begin);
+    return strncmp(before, blamed, strlen(blamed)) == 0 ? before : line;
 }
 
 lf_status lf_farmed_judge(const lf_farmed_child *child, const char *what, int status, lf_error *err)

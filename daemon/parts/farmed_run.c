@@ -13,8 +13,8 @@
 #include "daemon/parts/farmed_internal.h"
 
 #define NAP_MS 20
-#define MOST_IDLE                                                                                  \
-    3 /* looks in a row at an interrupted job: a scheduler may be late with its list */
+/* Looks in a row at an interrupted job: a scheduler may be silent for a while. */
+#define MOST_IDLE 30
 enum { MOST_WORDS = LF_RENDER_WORDS + 16 };
 
 /* Hands a look to the event thread. */
@@ -240,6 +240,14 @@ static lf_status note_vain(lf_farmed_job *job, lf_error *err)
                         "quiltfarm status has failed %d times: %s", job->vain, look.problem);
 }
 
+/* GNU parallel ended with an earlier quiltd, if that was a service, and goes on here. */
+static lf_status resume(lf_farmed_job *job, lf_error *err)
+{
+    const char *const words[] = {LF_FARMED_PROGRAM, "resume", job->order.folder.path, NULL};
+    job->is_submitted = false; /* once */
+    return lf_farmed_start(words, &job->submit, err);
+}
+
 /* Judges a look. *out_over: the job has ended. */
 static lf_status judge_look(lf_farmed_job *job, const lf_farmed_look *look, const char *words,
                             bool *out_over, lf_error *err)
@@ -250,7 +258,10 @@ static lf_status judge_look(lf_farmed_job *job, const lf_farmed_look *look, cons
         return lf_error_set(err, LF_E_IO, folder,
                             "a task has failed: %.200s; mend it and run quiltfarm resume",
                             words ? words : "its words are in the folder log");
-    job->idle = strcmp(look->state, "interrupted") == 0 && job->submit.pid == 0 ? job->idle + 1 : 0;
+    const bool rests = strcmp(look->state, "interrupted") == 0 && job->submit.pid == 0;
+    if (rests && job->is_submitted && strcmp(job->order.engine, "parallel") == 0)
+        return resume(job, err);
+    job->idle = rests ? job->idle + 1 : 0;
     return job->idle < MOST_IDLE ? LF_OK
                                  : lf_error_set(err, LF_E_IO, folder,
                                                 "the farm has lost tasks; run quiltfarm resume");
@@ -294,13 +305,14 @@ static lf_status follow(lf_farmed_job *job, lf_error *err)
 
 /* ----------------------------------------------------------------------------------- the end -- */
 
-/* Lets quiltfarm cancel the job. Its tasks may run on if that fails, which the error says. */
+/* Lets quiltfarm cancel the job. Its tasks may run on if that fails, which the error says. A submit
+ * in progress gets TERM only then, since a second one would end tasks before they save. */
 static lf_status cancel(lf_farmed_job *job, lf_error *err)
 {
     const char *const words[] = {LF_FARMED_PROGRAM, "cancel", job->order.folder.path, NULL};
-    if (job->submit.pid > 0)
-        kill(-job->submit.pid, SIGTERM);
     lf_status status = call(job, "cancel", words, job->farmed->home.call_s, true, NULL, err);
+    if (status != LF_OK && job->submit.pid > 0 && kill(-job->submit.pid, SIGTERM) == 0)
+        status = LF_OK;
     return status == LF_OK ? stopped(err) : status;
 }
 

@@ -180,7 +180,7 @@ static const field fields[] = {
     {"@tasks", "complete", "integer", COUNT, "tasks whose results are there"},
     {"@tasks", "running", "integer", COUNT, "tasks that run"},
     {"@tasks", "failed", "integer", COUNT, "tasks that have failed"},
-    {"@tasks", "missing", "integer", COUNT, "tasks that have no result and do not run"},
+    {"@tasks", "missing", "integer", COUNT, "tasks that have no result yet"},
     {"@farm", "cpu_seconds", "@spending", NULL, "CPU time of all tasks"},
     {"@spending", "planned", "number|null", "seconds", "what quiltfarm expects; null: unknown"},
     {"@spending", "spent", "number|null", "seconds", "what was used so far; null: unknown"},

@@ -22,8 +22,7 @@
 typedef struct lf_part_head {
     lf_merging_file film;
     double seconds, cpu_seconds;
-    int64_t passes;
-    int parts;
+    int64_t passes, parts;
     bool complete;
 } lf_part_head;
 
@@ -85,13 +84,17 @@ static int number_or(const json_t *head, const char *key, int usual)
     return value ? (int)json_integer_value(value) : usual;
 }
 
-/* "rows", inclusive; without it, all. */
+/* "rows", inclusive. */
 static void rows_of(const json_t *head, int out[2])
 {
-    const json_t *rows = json_object_get(head, "rows");
-    out[0] = rows ? (int)json_integer_value(json_array_get(rows, 0)) : 0;
-    out[1] =
-        rows ? (int)json_integer_value(json_array_get(rows, 1)) : number_or(head, "height", 0) - 1;
+    for (size_t i = 0; i < 2; i++)
+        out[i] = (int)json_integer_value(json_array_get(json_object_get(head, "rows"), i));
+}
+
+/* A number that only informs, cut to 0 to 1e15. */
+static double cut(double x)
+{
+    return fmin(fmax(x, 0.0), 1e15);
 }
 
 /* How the head lies about the film; NULL: it does not. */
@@ -154,11 +157,11 @@ static lf_status keep_head(lf_job_merging *j, int i, json_t *head, uint32_t *out
         return lf_error_set(err, LF_E_NOMEM, j->merge->parts[i], "out of memory");
     *out_tie = (uint32_t)crc32_z(0, (const unsigned char *)text, strlen(text));
     free(text);
-    part->seconds = json_number_value(json_object_get(head, "seconds"));
-    part->cpu_seconds = json_number_value(json_object_get(head, "cpu_seconds"));
+    part->seconds = cut(json_number_value(json_object_get(head, "seconds")));
+    part->cpu_seconds = cut(json_number_value(json_object_get(head, "cpu_seconds")));
     part->passes = json_integer_value(json_object_get(head, "passes"));
     part->complete = json_is_true(json_object_get(head, "complete"));
-    part->parts = number_or(head, "parts", 1);
+    part->parts = (int64_t)cut((double)number_or(head, "parts", 1));
     if (j->first)
         return compare(j, j->merge->parts[i], head, err);
     j->first = json_incref(head);
@@ -261,7 +264,7 @@ static json_t *budget_of(const lf_job_merging *j, const json_t *base)
     json_t *budget = json_object_get(base, "budget");
     return j->total.n_streams == 1 && (j->same_budget || j->merge->partial)
                ? json_incref(budget)
-               : json_pack("{s:I}", "passes", (json_int_t)j->total.least_passes);
+               : json_pack("{s:I}", "passes", (json_int_t)cut(j->total.least_passes));
 }
 
 static bool is_complete(const lf_job_merging *j, const json_t *budget, int height)
@@ -272,7 +275,7 @@ static bool is_complete(const lf_job_merging *j, const json_t *budget, int heigh
     for (int i = 0; i < j->merge->n_parts; i++)
         all = all && j->heads[i].complete;
     return t->n_rows == height && t->least_passes == t->most_passes &&
-           (passes ? json_integer_value(passes) == (json_int_t)t->least_passes : all);
+           (passes ? (double)json_integer_value(passes) == t->least_passes : all);
 }
 
 /* Opens the part whose head is that of the result: the first of the order with samples. */
@@ -289,7 +292,7 @@ static lf_status open_base(const lf_job_merging *j, json_t **out, int *out_part,
 }
 
 /* Sums over the parts, in their order. */
-static void add_up(const lf_job_merging *j, double *seconds, double *cpu_seconds, int *parts)
+static void add_up(const lf_job_merging *j, double *seconds, double *cpu_seconds, int64_t *parts)
 {
     *seconds = *cpu_seconds = 0.0;
     *parts = 0;
@@ -310,7 +313,7 @@ static json_t *make_head(const lf_job_merging *j, json_t *base, int part, lf_job
     const lf_merging_file *film = &j->heads[part].film;
     json_t *budget = budget_of(j, base);
     double seconds, cpu_seconds;
-    int parts;
+    int64_t parts;
     add_up(j, &seconds, &cpu_seconds, &parts);
     *out = (lf_job_merged){.n_parts = t->n_files,
                            .n_streams = t->n_streams,
@@ -319,10 +322,10 @@ static json_t *make_head(const lf_job_merging *j, json_t *base, int part, lf_job
                            .spp = t->passes / film->height / film->n_views,
                            .complete = is_complete(j, budget, film->height)};
     json_t *own = json_pack(
-        "{s:[i, i], s:I, s:i, s:i, s:O, s:I, s:f, s:f, s:b}", "rows", 0, film->height - 1, "stream",
-        t->n_streams == 1 ? (json_int_t)film->stream : 0, "parts", parts, "streams", t->n_streams,
-        "budget", budget, "passes", (json_int_t)(t->passes / film->height), "seconds", seconds,
-        "cpu_seconds", cpu_seconds, "complete", out->complete);
+        "{s:[i, i], s:I, s:I, s:i, s:O, s:I, s:f, s:f, s:b}", "rows", 0, film->height - 1, "stream",
+        t->n_streams == 1 ? (json_int_t)film->stream : 0, "parts", (json_int_t)parts, "streams",
+        t->n_streams, "budget", budget, "passes", (json_int_t)cut(t->passes / film->height),
+        "seconds", seconds, "cpu_seconds", cpu_seconds, "complete", out->complete);
     json_t *head = own && json_object_update(base, own) == 0 ? json_incref(base) : NULL;
     if (t->n_streams == 1 && head)
         json_object_del(head, "streams");

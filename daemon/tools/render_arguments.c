@@ -519,6 +519,7 @@ static lf_status check_part(const lf_render_arguments *a, lf_error *err)
     const lf_state_arguments *s = &a->state;
     const char *where = s->has_rows ? "--rows" : "--stream";
     const char *other = a->stats                               ? "--stats"
+                        : a->files                             ? "--files"
                         : a->options.target_error > 0          ? "--target-error"
                         : a->options.target_denoised_error > 0 ? "--target-denoised-error"
                         : s->has_rows && a->budget.seconds > 0 ? "--time"
@@ -532,7 +533,7 @@ static lf_status check_part(const lf_render_arguments *a, lf_error *err)
                             s->first_row, s->last_row);
     if (other)
         return lf_error_set(err, LF_E_ARG, where, "cannot be combined with %s%s", other,
-                            a->stats ? "" : "; give --spp or --passes");
+                            a->stats || a->files ? "" : "; give --spp or --passes");
     return LF_OK;
 }
 

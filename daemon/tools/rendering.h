@@ -165,6 +165,9 @@ LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_erro
 const lf_output_kind *lf_rendering_kind(const lf_rendering *r);
 /* True if the output is a video of the views of one job: a camera track. */
 bool lf_rendering_is_track(const lf_rendering *r);
+/* The state file of the current frame or row; of a row of cameras, if one output has several.
+ * Caller frees; NULL = out of memory. */
+char *lf_rendering_state_current(const lf_rendering *r, int camera_row);
 /* Removes the states of the current frame or row, whose files have been written; and one. */
 void lf_rendering_state_remove(const lf_rendering *r);
 void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,

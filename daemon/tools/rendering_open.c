@@ -269,18 +269,31 @@ static bool is_same_file(const char *a, const char *b)
     return same;
 }
 
-/* A job's state file must not be one of its outputs. */
-static lf_status check_state(const lf_rendering *r, lf_error *err)
+/* A state file must not be one of the job's outputs. */
+static lf_status check_state(const lf_rendering *r, const char *state, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     char *manifest = a->kind->check_print ? lf_output_file_name(a->kind, r->path, 1) : NULL;
-    const char *const written[] = {r->path, a->stats, manifest};
-    lf_status status = check_not_input(a->state.file, a->scene, err);
+    const char *const written[] = {r->path, a->stats, a->files, manifest};
+    lf_status status = state ? check_not_input(state, a->scene, err)
+                             : lf_error_set(err, LF_E_NOMEM, a->state.file, "out of memory");
     for (size_t i = 0; i < sizeof written / sizeof *written && status == LF_OK; i++)
-        if (written[i] && is_same_file(a->state.file, written[i]))
+        if (written[i] && is_same_file(state, written[i]))
             status = lf_error_set(err, LF_E_ARG, "--state",
                                   "names the same file as another output: %s", written[i]);
     lf_free(manifest);
+    return status;
+}
+
+/* All states of the current frame or row, or of the rows of a grid. */
+static lf_status check_states(const lf_rendering *r, lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (int row = 0; row < lf_rendering_camera_rows(r) && status == LF_OK; row++) {
+        char *state = lf_rendering_state_current(r, row);
+        status = check_state(r, state, err);
+        lf_free(state);
+    }
     return status;
 }
 
@@ -313,7 +326,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     if (status == LF_OK && a->files)
         status = check_not_input(a->files, a->scene, err);
     if (status == LF_OK && a->state.file)
-        status = check_state(r, err);
+        status = check_states(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
     if (status == LF_OK && a->kind->check_print &&
@@ -456,6 +469,10 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                                       : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
+    if (status == LF_E_ARG && lf_rendering_of_pictures(r)) /* --view-size is no remedy */
+        status = lf_error_set(err, status, r->path,
+                              "yuv420p cannot hold images with an odd side; use --pixel-format "
+                              "yuv444p");
     if (status == LF_OK && is_track && !r->arguments->plan.on &&
         !lf_state_is_all(&r->arguments->state))
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);

@@ -11,9 +11,9 @@
 
 /* CPU seconds per byte of samples, measured (docs/lab/applications.md): hashing files, moving
  * samples to their pictures, and writing these as PNG. */
-#define HASH_SECONDS 5e-9
-#define MOVE_SECONDS 5e-9
-#define FILE_SECONDS 5e-8
+#define HASH_SECONDS 3e-9
+#define MOVE_SECONDS 2e-9
+#define FILE_SECONDS 3e-8
 
 struct lf_plate_job {
     lf_render_arguments arguments; /* those of the command line, with what the plate sets */

@@ -40,9 +40,9 @@ lf_status lf_rendering_scene_row(const lf_rendering *r, lf_camera *out, lf_error
         return LF_E_ARG;
     const bool own_views = one || r->arguments->hologram.options.preset;
     if ((o->views > 0 && !own_views) || o->preset)
-        return lf_error_set(
-            err, LF_E_ARG, o->preset ? "--preset" : "--views",
-            "cannot be combined with --camera-rows, because the scene defines the rows");
+        return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--views",
+                            "cannot be combined with --%s, because the scene defines the rows",
+                            r->sequence.plate ? "hologram" : "camera-rows");
     *out = *camera;
     if (!one)
         lf_camera_deepen(out); /* the whole grid, as without --camera-rows */

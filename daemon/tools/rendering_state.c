@@ -77,15 +77,23 @@ void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_r
     lf_free(path);
 }
 
+char *lf_rendering_state_current(const lf_rendering *r, int camera_row)
+{
+    const bool of_rows = r->arguments->frames.of_rows;
+    const int current = r->sequence.on ? r->sequence.frame : -1;
+    if (of_rows)
+        return lf_rendering_state_path(r, -1, current, -1);
+    return lf_rendering_state_path(r, current, r->settings.camera.n_rows > 0 ? camera_row : -1, -1);
+}
+
 void lf_rendering_state_remove(const lf_rendering *r)
 {
-    const int current = r->sequence.frame, rows = r->settings.camera.n_rows;
-    if (r->arguments->frames.of_rows)
-        lf_rendering_state_remove_at(r, -1, current, -1);
-    else if (rows == 0)
-        lf_rendering_state_remove_at(r, current, -1, -1);
-    for (int row = 0; row < rows; row++)
-        lf_rendering_state_remove_at(r, current, row, -1);
+    for (int row = 0; row < lf_rendering_camera_rows(r); row++) {
+        char *path = lf_rendering_state_current(r, row);
+        if (path)
+            unlink(path);
+        lf_free(path);
+    }
 }
 
 static lf_part part_of(const lf_job_place *place)

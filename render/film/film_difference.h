@@ -14,7 +14,8 @@ static inline uint32_t lf_difference_pack(const float x[3], float random)
 {
     float largest = fmaxf(fabsf(x[0]), fmaxf(fabsf(x[1]), fabsf(x[2])));
     uint32_t bits, packed;
-    if (!(largest > 1e-30f && largest < 1e30f))
+    /* each, because the largest number is none that is not a number */
+    if (!(largest > 1e-30f && fabsf(x[0]) < 1e30f && fabsf(x[1]) < 1e30f && fabsf(x[2]) < 1e30f))
         return 0;
     memcpy(&bits, &largest, sizeof bits);
     /* The largest number is 64 to 127 steps of a power of two. */

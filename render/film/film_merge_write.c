@@ -6,8 +6,10 @@
 #include "render/film/film_sum.h"
 #include "render/transport/sampler.h"
 
-/* Memory for a block, in bytes; one row may need more. */
-#define BLOCK_BYTES ((size_t)128 << 20)
+/* Memory for a block, in bytes; one row may need more. A file is opened once per block that it has
+ * rows of, so sums over many files need large blocks; copies stay in the cache. */
+#define BLOCK_BYTES ((size_t)8 << 20)
+#define SUMMED_BYTES ((size_t)128 << 20)
 
 /* Consecutive rows. A row of one file is copied; others are summed up. */
 typedef struct lf_merging_block {
@@ -45,7 +47,7 @@ static lf_status init_block(const lf_merging *m, lf_merging_block *block, lf_err
     lf_film_layout layout = m->like.layout;
     const bool summed = is_summed(m);
     const size_t bytes = lf_merging_row_bytes(&layout) + (summed ? lf_film_sum_bytes(&layout) : 0);
-    const size_t rows = BLOCK_BYTES / bytes > 0 ? BLOCK_BYTES / bytes : 1;
+    const size_t most = (summed ? SUMMED_BYTES : BLOCK_BYTES) / bytes, rows = most > 0 ? most : 1;
     *block = (lf_merging_block){0};
     if (rows < (size_t)layout.height)
         layout.height = (int)rows;

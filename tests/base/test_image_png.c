@@ -2,6 +2,7 @@
 #include "tests/base/pictures.h"
 
 #include <fcntl.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 
@@ -76,6 +77,66 @@ static void a_picture_with_depth_needs_both_ends_of_its_view(void **state)
     lf_image8_finish(&image);
 }
 
+static void frames_carry_the_rate_of_their_animation(void **state)
+{
+    const char *path = lf_test_path(*state, "rate.png");
+    static const struct {
+        const char *text;
+        double rate;
+    } cases[] = {{"12.5", 12.5}, {"23.976024", 23.976024},
+                 {"1000", 1000}, {"1001", 0},
+                 {"0", 0},       {"-3", 0},
+                 {"nan", 0},     {"many", 0}};
+    lf_image8 image = lf_picture_noise(6, 2);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const lf_attribute rate = {"quiltd.fps", cases[i].text};
+        lf_image8 back;
+        lf_image_metadata meta;
+        lf_error err;
+        lf_picture_save_png(path, &image, 1, &rate, 1);
+        const int fd = open(path, O_RDONLY | O_CLOEXEC);
+        lf_assert_ok(lf_image8_read_metadata(fd, path, &back, &meta, &err), &err);
+        lf_assert_close(meta.frame_rate, cases[i].rate, 0, 0);
+        lf_image8_finish(&back);
+        close(fd);
+    }
+    lf_image8_finish(&image);
+}
+
+/* At every length but the whole, a file is refused. */
+static void a_png_tells_its_size_if_it_is_whole(void **state)
+{
+    const char *path = lf_test_path(*state, "size.png");
+    lf_image8 image = lf_picture_noise(7, 3);
+    lf_error err;
+    size_t n = 0;
+    int width = -1, height = -1;
+    lf_picture_save_png(path, &image, 1, NULL, 0);
+    lf_image8_finish(&image);
+    lf_assert_ok(lf_png_measure(path, NULL, &width, &height, &err), &err);
+    assert_int_equal(width, 7);
+    assert_int_equal(height, 3);
+    char *bytes = lf_picture_bytes(path, &n);
+    for (size_t length = n - 1; length > 0; length--) {
+        assert_int_equal(truncate(path, (off_t)length), 0);
+        assert_int_equal(lf_png_measure(path, NULL, &width, &height, &err),
+                         length < 8 ? LF_E_STATE : LF_E_FORMAT);
+    }
+    bytes[17] = 2; /* 131079 pixels wide */
+    FILE *file = fopen(path, "wbe");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, n, file), n);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(lf_png_measure(path, NULL, &width, &height, &err), LF_E_FORMAT);
+    assert_non_null(strstr(err.what, "no valid size"));
+    lf_free(bytes);
+    assert_int_equal(lf_png_measure(lf_test_write(*state, "t.png", "text, not a PNG"), NULL, &width,
+                                    &height, &err),
+                     LF_E_STATE);
+    assert_int_equal(lf_png_measure(lf_test_path(*state, "none.png"), NULL, &width, &height, &err),
+                     LF_E_IO);
+}
+
 static void every_kind_of_png_becomes_rgb(void **state)
 {
     const char *path = lf_test_path(*state, "kind.png");
@@ -134,6 +195,8 @@ int main(void)
         cmocka_unit_test(a_png_comes_back_as_it_was_at_every_level),
         cmocka_unit_test(a_png_says_srgb_and_carries_its_texts),
         cmocka_unit_test(a_picture_with_depth_needs_both_ends_of_its_view),
+        cmocka_unit_test(frames_carry_the_rate_of_their_animation),
+        cmocka_unit_test(a_png_tells_its_size_if_it_is_whole),
         cmocka_unit_test(every_kind_of_png_becomes_rgb),
         cmocka_unit_test(eight_bit_pictures_are_decoded_from_srgb),
     };

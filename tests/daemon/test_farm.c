@@ -344,6 +344,94 @@ static void the_plan_passes_words_on_and_tells_the_cost(void **state)
     says(folder, "cat job/tasks", 0, "/bin/quiltfarm task /");
 }
 
+/* ------------------------------------------------------------------------------------- slurm -- */
+
+/* Runs shell words with programs of Slurm that are the test's own (tests/farm/fake-slurm). */
+static void slurm_says(const char *folder, const char *line, int code, const char *words)
+{
+    char source[PATH_MAX], all[2 * PATH_MAX];
+    assert_non_null(realpath(lf_test_source("tests/farm/fake-slurm"), source));
+    snprintf(all, sizeof all, "PATH=%s:$PATH; %s", source, line);
+    says(folder, all, code, words);
+}
+
+static void plan_slurm(const char *folder, const char *config)
+{
+    says(folder, "bin/quiltfarm plan job --engine slurm --threads 3 -- scene.json -o out", 0,
+         "for slurm");
+    lf_test_write(folder, "config", config);
+}
+
+/* Slurm's programs are called in this test's folder. */
+static void assert_sent(const char *folder, int line, const char *words)
+{
+    char command[256];
+    snprintf(command, sizeof command, "sed -n %dp sbatch.log", line);
+    says(folder, command, 0, words);
+}
+
+static void arrays_and_dependencies_fit_the_limits_of_the_cluster(void **state)
+{
+    const char *folder = *state;
+    plan_slurm(folder, "MaxArraySize            = 3\nMaxJobCount             = 10000\n");
+    slurm_says(folder, "bin/quiltfarm submit job --slots 4 -- -p render", 0,
+               "sent to Slurm as job-");
+    assert_sent(folder, 1, "--array=0-2%2 ");
+    assert_sent(folder, 1, "--cpus-per-task=3 ");
+    assert_sent(folder, 1, "--mem=321M "); /* 1.25 times 256 MiB and 1 */
+    assert_sent(folder, 1, "--time=10 -p render ");
+    assert_sent(folder, 1, "task.sbatch task 0 1 ");
+    assert_sent(folder, 2, "--array=0-1%2 ");
+    assert_sent(folder, 2, "task.sbatch task 3 1 ");
+    assert_sent(folder, 3, "--dependency=afterok:11_0:11_1 --kill-on-invalid-dep=yes");
+    assert_sent(folder, 3, "task.sbatch finish 0 1 ");
+    assert_sent(folder, 4, "--dependency=afterok:11_2:12_0 ");
+    assert_sent(folder, 5, "--dependency=afterok:12_1 ");
+    says(folder, "wc -l < sbatch.log", 0, "5\n");
+}
+
+static void a_nearly_full_cluster_gets_several_tasks_in_a_job(void **state)
+{
+    const char *folder = *state;
+    plan_slurm(folder, "MaxArraySize = 1001\nMaxJobCount = 24\n");
+    lf_test_write(folder, "others", "R\nR\nPD\nCD\n");
+    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
+    assert_sent(folder, 1, "--array=0-2 ");
+    assert_sent(folder, 1, "task.sbatch task 0 2 ");
+    assert_sent(folder, 2, "--dependency=afterok:11 ");
+    assert_sent(folder, 2, "task.sbatch finish 0 3 ");
+    lf_test_write(folder, "queue", "11 1 RUNNING None\n");
+    slurm_says(folder, "bin/quiltfarm status job", 0, "0 of 5 complete, 2 running");
+    says(folder, "rm queue; echo R >> others", 0, "");
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "Slurm holds 5 jobs, and takes no more now");
+    says(folder, "wc -l < sbatch.log", 0, "2\n");
+}
+
+static void the_queue_is_shown_and_not_sent_twice(void **state)
+{
+    const char *folder = *state;
+    plan_slurm(folder, "");
+    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
+    lf_test_write(folder, "queue",
+                  "11 0 RUNNING None\n11 1 COMPLETING None\n11 2 PENDING JobArrayTaskLimit\n"
+                  "11 3 PENDING launch failed requeued held\n12 N/A PENDING Dependency\n");
+    slurm_says(folder, "bin/quiltfarm status job", 0, "0 of 5 complete, 2 running");
+    slurm_says(folder, "bin/quiltfarm status job", 0,
+               "note      Slurm keeps 11_3 waiting: launch failed requeued held");
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "slurm has 5 of its steps");
+    slurm_says(folder, "bin/quiltfarm resume job", 1, "slurm has 5 of its steps");
+    slurm_says(folder, "bin/quiltfarm cancel job && cat scancel.log", 0, "--name=job-");
+    /* what fails in the middle is known later */
+    says(folder, "rm queue calls sbatch.log; echo 2 > full", 0, "");
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "sbatch: ended with status 1");
+    says(folder, "cat job/sent.json", 0, "\"id\": 11");
+    lf_test_write(folder, "queue", "11 0 PENDING Priority\n");
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "slurm has 1 of its steps");
+    says(folder, "PATH=/nowhere; bin/quiltfarm submit job", 1,
+         "squeue: not found; go to a machine with Slurm");
+    says(folder, "PATH=/nowhere; bin/quiltfarm status job", 0, "showing only what is on the disk");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -361,6 +449,9 @@ int main(void)
         in_folder(a_damaged_plan_makes_no_job),
         in_folder(damaged_files_of_a_job_are_refused_or_missing),
         in_folder(the_plan_passes_words_on_and_tells_the_cost),
+        in_folder(arrays_and_dependencies_fit_the_limits_of_the_cluster),
+        in_folder(a_nearly_full_cluster_gets_several_tasks_in_a_job),
+        in_folder(the_queue_is_shown_and_not_sent_twice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

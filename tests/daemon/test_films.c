@@ -270,6 +270,10 @@ static void wrong_names_and_options_are_one_line(void **state)
     qr_run(&o, "%s/x_%%d.png --quilt 3x2 -o %s/x_%%d.png --still --frames 1:2", f->folder,
            f->folder);
     qr_assert_fails(&o, 2, "x_1.png: is the input");
+    qr_write_quilt((char[PATH_MAX]){""}, f->folder, "odd_1.png", 7, 5);
+    qr_run(&o, "%s/odd_%%d.png --quilt 3x2 -o %s/v.mp4 --frames 1:1", f->folder, f->folder);
+    qr_assert_fails(&o, 2, "with an odd side; use --pixel-format yuv444p");
+    assert_int_equal(unlink(lf_test_path(f->folder, "odd_1.png")), 0);
     qr_run(&o, "%s/a%%b.png -o %s/v.png", f->folder, f->folder);
     qr_assert_fails(&o, 1, "cannot open");
     assert_int_equal(qr_count_files(f->folder), before);
@@ -341,6 +345,31 @@ static void nothing_is_published_of_a_video_that_fails(void **state)
     qr_run(&o, "%s/x_%%d.png --quilt 3x2 -o %s/v.mp4 --frames 1:3", f->folder, f->folder);
     qr_assert_fails(&o, 1, "x_3.png: frame 3: has 6 views of 20x12 pixels, but the first frame");
     assert_false(qr_exists(f->folder, "v_qs3x2a1.5.mp4"));
+}
+
+/* While ffmpeg reads nothing. */
+static void a_stopped_job_leaves_nothing(void **state)
+{
+    const qr_files *f = *state;
+    char script[2 * PATH_MAX], line[3 * PATH_MAX], text[4096];
+    const int err = memfd_create("stderr", 0), out = memfd_create("stdout", 0);
+    for (int i = 1; i <= 6; i++)
+        copy_frame(f, f->large, i);
+    snprintf(script, sizeof script, "#!/bin/sh\n>%s/begun\nexec sleep 60\n", f->folder);
+    pretend(f, script);
+    const int before = qr_count_files(f->folder);
+    snprintf(line, sizeof line, "%s/x_%%d.png --quilt 3x2 -o %s/v.mp4 --frames 1:6", f->folder,
+             f->folder);
+    const pid_t pid = qr_start(line, out, err, RLIM_INFINITY);
+    for (int k = 0; k < 12000 && !qr_exists(f->folder, "begun"); k++)
+        qr_nap(0.005);
+    kill(pid, SIGTERM);
+    assert_int_equal(qr_ended(pid), 1);
+    qr_read_back(err, text, sizeof text);
+    close(out);
+    assert_non_null(strstr(text, "interrupted: nothing was written"));
+    assert_int_equal(unlink(lf_test_path(f->folder, "begun")), 0);
+    assert_int_equal(qr_count_files(f->folder), before);
 }
 
 /* A folder is one light field, also one of frames. */
@@ -498,6 +527,7 @@ int main(void)
         TEST(wrong_names_and_options_are_one_line),
         TEST(a_frame_that_does_not_fit_is_told_before_anything_is_encoded),
         TEST(nothing_is_published_of_a_video_that_fails),
+        TEST(a_stopped_job_leaves_nothing),
         TEST(a_folder_of_frames_is_views),
         TEST(a_film_on_a_farm_has_the_bytes_of_one_run),
         TEST(frames_of_the_video_are_the_pictures_in_order),

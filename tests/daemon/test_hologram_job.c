@@ -74,7 +74,7 @@ static void rows_alone_are_the_plate(void **state)
     qr_run(&o, "%s -o %s/ --hologram raw" SMALL, scene, parts);
     qr_assert_fails(&o, 1, "the plate there has another \"flips\"");
     qr_run(&o, "%s -o %s/ --hologram raw --flip hx --views 2" SMALL, scene, parts);
-    qr_assert_fails(&o, 2, "--views: cannot be combined with --camera-rows");
+    qr_assert_fails(&o, 2, "--views: cannot be combined with --hologram");
     qr_run(&o, "%s -o %s/ --hologram raw --flip hx --camera-rows 4:4" SMALL, scene, parts);
     qr_assert_fails(&o, 2, "expected rows within 0:3");
     qr_succeed("%s -o %s/ --hologram raw --overwrite" SMALL, scene, parts);

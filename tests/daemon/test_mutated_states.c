@@ -295,8 +295,7 @@ static void (*const damages[])(scenario *, bytes *) = {
 };
 enum { DAMAGES = sizeof damages / sizeof damages[0] };
 
-/* -------------------------------------------------------------------------------- the verdict --
- */
+/* ------------------------------------------------------------------------------- the verdict -- */
 
 /* What the result is the merge of; 0: of nothing that is right. */
 static int subset_in(const scenario *s, const bytes *got)

@@ -45,7 +45,7 @@ static const struct group {
     {"import", lf_option_params, NULL, LF_OPTIONS_IMPORT, NULL, NULL},
     {"quiltd", NULL, NULL, NULL, "quiltd",
      "socket device state allow-path export-dir buttons web playlist seconds crossfade watch "
-     "run-for"},
+     "run-for farm"},
     {"quiltrender", lf_state_params, NULL, NULL, "quiltrender",
      "state state-info stats files plan json task-minutes task-memory read-chart "
      "chart-file"},

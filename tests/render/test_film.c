@@ -216,11 +216,13 @@ static void known_light_and_its_difference_follow_both_halves(void **state)
 static void differences_are_packed_without_bias(void **state)
 {
     (void)state;
-    const float large[3] = {1e-20f, -3.0f, 2.9f}, huge[3] = {INFINITY, 0, 1}, none[3] = {0, 0, 0};
+    const float large[3] = {1e-20f, -3.0f, 2.9f}, huge[3] = {INFINITY, 0, 1}, none[3] = {0, 0, 0},
+                odd[3] = {1, NAN, 2};
     float x[3];
     double sum[3] = {0};
     assert_int_equal(lf_difference_pack(none, 0.9f), 0);
     assert_int_equal(lf_difference_pack(huge, 0.5f), 0);
+    assert_int_equal(lf_difference_pack(odd, 0.5f), 0);
     for (int i = 0; i < 1000; i++) {
         lf_difference_unpack(lf_difference_pack(large, ((float)i + 0.5f) / 1000), x);
         for (int c = 0; c < 3; c++)

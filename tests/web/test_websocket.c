@@ -138,6 +138,8 @@ static void some_parameters_are_refused(void **state)
         "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"fds\":1}",
         "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"detach\":true}",
         "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"overwrite\":true}",
+        "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"farm\":\"list\"}",
+        "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"job\":\"j\"}",
         "\"preview.start\",\"params\":{\"x\":1}"};
     static const char *const methods[] = {"scene.load", "scene.patch", "render.set", "export"};
     int fd = lf_talk_open(g);

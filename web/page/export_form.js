@@ -1,7 +1,15 @@
 // The tab Export: what to write, its options, and the jobs with their downloads.
 
 import { button, explain, fill, heading, labelled, make, select } from "./dom.js";
-import { EXPORTS, kindsOf, LABELS, nameFor, parametersOf, valueOf } from "./exports.js";
+import {
+  EXPORTS,
+  jobText,
+  kindsOf,
+  LABELS,
+  nameFor,
+  parametersOf,
+  valueOf,
+} from "./exports.js";
 import { proofView } from "./proof.js";
 import { recall, remember } from "./store.js";
 import { bytesText } from "./words.js";
@@ -195,10 +203,10 @@ export class ExportForm {
     return this.#jobs.get(job);
   }
 
-  #follow({ job, file, state, progress, error }) {
+  #follow({ job, file, state, progress, error, farm }) {
     const { bar, text, cancel } = this.#job(job, file);
     bar.value = progress ?? 0;
-    text.textContent = state === "failed" ? (error?.message ?? "failed") : state;
+    text.textContent = jobText(state, error, farm);
     cancel.hidden = bar.hidden = state !== "running" && state !== "waiting";
   }
 

@@ -135,3 +135,11 @@ export function valueOf(schema, text) {
     return number;
   return text.trim();
 }
+
+/** What the list of jobs says of a job. */
+export function jobText(state, error, farm) {
+  if (state === "failed") return error?.message ?? "failed";
+  if (!farm || state !== "running") return state;
+  const { complete, total } = farm.tasks;
+  return `${farm.engine}: ${farm.state}${total > 0 ? `, ${complete} of ${total} tasks` : ""}`;
+}

@@ -297,7 +297,7 @@ export interface Calls {
             "running"?: number;
             /** tasks that have failed [count] */
             "failed"?: number;
-            /** tasks that have no result and do not run [count] */
+            /** tasks that have no result yet [count] */
             "missing"?: number;
           };
           /** CPU time of all tasks */
@@ -1887,7 +1887,7 @@ export interface Notifications {
         "running"?: number;
         /** tasks that have failed [count] */
         "failed"?: number;
-        /** tasks that have no result and do not run [count] */
+        /** tasks that have no result yet [count] */
         "missing"?: number;
       };
       /** CPU time of all tasks */

@@ -1,7 +1,15 @@
 // The form of exports.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { EXPORTS, kindsOf, LABELS, nameFor, parametersOf, valueOf } from "../../../web/page/exports.js";
+import {
+  EXPORTS,
+  jobText,
+  kindsOf,
+  LABELS,
+  nameFor,
+  parametersOf,
+  valueOf,
+} from "../../../web/page/exports.js";
 
 const parameters = {
   kind: { enum: ["quilt", "still", "print"] },
@@ -64,4 +72,16 @@ test("fields of photos are there for photos alone", () => {
   const keys = (photo) => parametersOf("print", known, photo).map(([key]) => key);
   assert.equal(keys(false).includes("photo"), false);
   assert.equal(keys(true).includes("photo"), true);
+});
+
+test("a job on a farm tells its tasks", () => {
+  const farm = { engine: "slurm", state: "queued", tasks: { complete: 3, total: 12 } };
+  assert.equal(jobText("running", undefined, farm), "slurm: queued, 3 of 12 tasks");
+  assert.equal(
+    jobText("running", undefined, { ...farm, state: "planning", tasks: { complete: 0, total: 0 } }),
+    "slurm: planning",
+  );
+  assert.equal(jobText("done", undefined, farm), "done");
+  assert.equal(jobText("failed", { message: "no memory" }, farm), "no memory");
+  assert.equal(jobText("running"), "running");
 });
