@@ -391,24 +391,6 @@ static void a_receipt_names_every_file(void **state)
     json_decref(receipt(path, 1));
 }
 
-/* A run that writes a state alone. */
-static void a_receipt_names_states(void **state)
-{
-    const qr_files *f = *state;
-    char path[PATH_MAX], name[PATH_MAX];
-    snprintf(path, sizeof path, "%s/receipt.json", f->folder);
-    qr_succeed("%s -o %s/r_%%d/ --camera-rows 1:2 --rows 0:2 --state %s/s.lfstate --spp 1 --files "
-               "%s " SIZE,
-               grid_of(f), f->folder, f->folder, path);
-    json_t *r = receipt(path, 2);
-    snprintf(name, sizeof name, "%s/s_0002.lfstate", f->folder);
-    assert_string_equal(json_string_value(json_object_get(item(r, "files", 1), "name")), name);
-    json_decref(r);
-    qr_succeed("%s -o %s/one.png --rows 0:2 --state %s/one.lfstate --spp 1 --files %s " SIZE,
-               f->scene, f->folder, f->folder, path);
-    json_decref(receipt(path, 1));
-}
-
 static void a_receipt_names_what_is_beside_a_print(void **state)
 {
     const qr_files *f = *state;
@@ -450,7 +432,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(memory_grows_with_rows, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
-        cmocka_unit_test_setup_teardown(a_receipt_names_states, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(a_failed_run_leaves_no_receipt, qr_set_up, qr_tear_down),
