@@ -60,10 +60,11 @@ static lf_status run_program(runner *r, const char *program, lf_farm_words *word
         words->failed ? lf_farm_no_memory(program, err) : lf_farm_find(program, path, err);
     if (status != LF_OK)
         return status;
+    char *name = words->list[0];
     words->list[0] = path;
     run.words = words->list;
     status = lf_farm_process_run(&run, err);
-    words->list[0] = NULL;
+    words->list[0] = name;
     r->cpu_seconds += run.cpu_seconds;
     r->seconds += run.seconds;
     return status == LF_OK ? say_end(&run, program, err) : status;

@@ -48,8 +48,8 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
         out->n_given_up += given_up;
         out->wanted[i] =
             !given_up && (i < job->n_tasks || can_be_reached(job, results, out->wanted, i));
-        out->n_tasks += out->wanted[i] && i < job->n_tasks;
-        out->n_finishes += out->wanted[i] && i >= job->n_tasks;
+        out->n_tasks += i < job->n_tasks && out->wanted[i];
+        out->n_finishes += i >= job->n_tasks && out->wanted[i];
     }
     lf_free(results);
     return out->wanted ? LF_OK : lf_farm_no_memory(job->path, err);

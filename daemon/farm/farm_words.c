@@ -5,11 +5,6 @@
 
 #include "base/alloc.h"
 
-lf_status lf_farm_no_memory(const char *where, lf_error *err)
-{
-    return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
-}
-
 static bool grow(lf_farm_words *words)
 {
     if (words->n + 1 < words->room)

@@ -24,6 +24,9 @@ void lf_farm_words_finish(lf_farm_words *words);
 char *lf_farm_quoted(const char *word);
 
 /* LF_E_NOMEM, "out of memory". */
-lf_status lf_farm_no_memory(const char *where, lf_error *err);
+static inline lf_status lf_farm_no_memory(const char *where, lf_error *err)
+{
+    return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+}
 
 #endif

@@ -61,8 +61,8 @@ static bool follower_at(int operand, int index, char *word, size_t size)
 {
     (void)operand;
     (void)index;
-    (void)word;
-    (void)size;
+    if (size > 0)
+        word[0] = '\0';
     return false;
 }
 
