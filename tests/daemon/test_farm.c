@@ -284,6 +284,17 @@ static void mistakes_on_the_command_line_are_told(void **state)
     says(folder, "bin/quiltfarm submit job; bin/quiltfarm cancel job", 1, "end the tasks there");
 }
 
+/* As quiltd makes it. */
+static void a_folder_that_holds_the_scene_becomes_a_job(void **state)
+{
+    const char *folder = *state;
+    says(folder, "mkdir job; cp scene.json job/", 0, "");
+    says(folder, PLAN, 1, "exists; choose a new folder");
+    says(folder, "bin/quiltfarm plan job --engine list -- job/scene.json -o out", 0, "for list");
+    says(folder, "bin/quiltfarm plan job --engine list -- job/scene.json -o out", 1,
+         "exists; choose a new folder");
+}
+
 static void a_job_that_was_moved_is_refused(void **state)
 {
     const char *folder = *state;
@@ -445,6 +456,7 @@ int main(void)
         in_folder(an_interrupted_task_goes_on_from_its_state),
         in_folder(a_signal_to_all_processes_saves_the_state),
         in_folder(mistakes_on_the_command_line_are_told),
+        in_folder(a_folder_that_holds_the_scene_becomes_a_job),
         in_folder(a_job_that_was_moved_is_refused),
         in_folder(a_damaged_plan_makes_no_job),
         in_folder(damaged_files_of_a_job_are_refused_or_missing),
