@@ -214,6 +214,7 @@ node_of() { squeue -h -r -t R -o '%K %N %j' | sed -n "s/^$1 \([^ ]*\) plate_job-
 is_down() { sinfo -h -n "$1" -o %T | grep -q down; }
 
 on_slurm() {
+    rm -f hold/* # a renderer that was released may have written its number later
     hold 0 1 2 3 4
     bin/quiltfarm plan plate.job --threads 1 --task-minutes 0 -- "${plate[@]}" -o plate/ > plan.log 2>&1 || cat plan.log
     bin/quiltfarm submit plate.job 2> submit.log || cat submit.log
