@@ -29,6 +29,16 @@ report "the package has a program" "$([ ${#programs[@]} -ge 1 ] || cat "$src/deb
     report "one would be seen" "$(no_node_needs "$out/quiltd" | grep -q libusb || echo 'not seen')"
 }
 
+# Outside an image, where a scheduler is, quiltfarm has to run without libraries.
+if [ -e "$("${CXX:-g++}" -print-file-name=libjansson.a 2> /dev/null)" ]; then
+    alone=$top/quiltfarm
+    report "quiltfarm can be one file" "$("${CXX:-g++}" -static -o "$alone" "$out"/daemon/tools/quiltfarm.c.o "$out"/lib{farm,engine,base}.a -ljansson -lm 2>&1 | tail -n 5
+        [ -z "$(libraries "$alone")" ] || echo "it has libraries"
+        "$alone" --version > /dev/null 2>&1 || echo "it does not start")"
+else
+    skip "quiltfarm can be one file" "no static libjansson"
+fi
+
 # A package of the image is ours, or one that ours suggests.
 image() { sed -n 's/.*apt-get install -y --no-install-recommends \(.*\) \\$/\1/p' "$1/debian/node/Containerfile" | tr ' ' '\n'; }
 node_stanza() { awk '/^Package: / { on = $2 == "quiltd-node" } on' "$1/debian/control"; }
@@ -101,7 +111,7 @@ expect() { # status, command…: its complaints
 
 tests=("its programs start" "exit status 2 for a wrong option" "a mesh, a volume and a sky render to the same bytes as here"
     "nothing but its job can be written" "a film of quilts is joined" "TERM ends it with 75 and a state" "and it goes on to the same bytes"
-    "nothing is left behind" "a node without readers says so")
+    "a job of tasks runs: the same film" "nothing is left behind" "a node without readers says so")
 make_root
 rc=0
 inside quiltrender --version > "$top/said" 2>&1 || rc=$?
@@ -118,7 +128,8 @@ cat > "$job/scene.json" << 'END'
   "meshes": { "still": { "file": "still.glb", "transform": { "translate": [0, -1, -2] } } },
   "lights": { "sky": { "type": "environment", "file": "sky.hdr" } } }
 END
-few="--quilt 2x2 --views 4 --view-size 24x32 --threads 1"
+small="--quilt 2x2 --views 4 --view-size 24x32"
+few="$small --threads 1"
 
 programs_start() {
     local p
@@ -180,9 +191,23 @@ continued() {
     cmp "$job"/long_qs*.png "$top"/long_qs*.png 2>&1
 }
 report "${tests[6]}" "$(continued)"
-report "${tests[7]}" "$(find "$top/scratch" -mindepth 1; find "$job" -name '.*' -o -name '*.new')"
+# The lines of a job's lists, as any farm runs them.
+listed() {
+    # shellcheck disable=SC2086  # words
+    expect 0 quiltfarm plan "$job/farm" --engine list --threads 1 --task-minutes 0.001 -- "$job/motion.json" -o "$job/farmed.mp4" --frames 1:2 $small --passes 1
+    expect 0 sh "$job/farm/tasks"
+    expect 0 sh "$job/farm/finishes"
+    [ "$(wc -l < "$job/farm/tasks")" -ge 2 ] || echo "one task is no farm"
+    cmp "$job"/farmed_qs*.mp4 "$job"/film_qs*.mp4 2>&1
+}
+if [ -x "$root/usr/bin/ffmpeg" ]; then
+    report "${tests[7]}" "$(listed)"
+else
+    skip "${tests[7]}" "no ffmpeg"
+fi
+report "${tests[8]}" "$(find "$top/scratch" -mindepth 1; find "$job" -name '.*' -o -name '*.new')"
 
 rm "$root/usr/libexec/quiltd/quiltimport"
 # shellcheck disable=SC2086  # words
-report "${tests[8]}" "$(expect 1 quiltrender "$job/scene.json" -o "$job/none.png" $few --passes 1; grep -q quiltimport "$top/said" || cat "$top/said")"
+report "${tests[9]}" "$(expect 1 quiltrender "$job/scene.json" -o "$job/none.png" $few --passes 1; grep -q quiltimport "$top/said" || cat "$top/said")"
 end

@@ -11,8 +11,12 @@
 #include "daemon/tools/plan_measure.h"
 #include "daemon/tools/plan_process.h"
 
-/* Seconds per pixel of a frame that is encoded and decoded, of its video. */
-#define JOIN_CPU 2.5e-7
+/* A video of frames that were written: CPU seconds and bytes per pixel of a frame, ours and the
+ * encoder's, which holds up to 45 frames (docs/lab/farms.md). */
+#define JOIN_CPU 1.6e-7
+#define JOIN_BYTES 32
+#define JOIN_FRAMES 45
+
 /* Bytes per pixel of a catcher's sums while a denoised image is made. */
 #define CAUGHT_BYTES 57
 
@@ -249,6 +253,15 @@ static lf_status save_state(const answer *a, double *out_cpu, lf_error *err)
 
 /* ------------------------------------------------------------------------------------- model -- */
 
+/* What the finish of a video needs. pixels: of a frame. */
+static void take_video(const lf_rendering *r, lf_plan *plan, double pixels)
+{
+    const int n = plan->job.last - plan->job.first + 1;
+    const double a_frame = r->arguments->video.codec == LF_CODEC_H265 ? 7 : 5;
+    plan->model.join_cpu = JOIN_CPU * pixels;
+    plan->model.join = pixels * (JOIN_BYTES + a_frame * fmin(n, JOIN_FRAMES));
+}
+
 /* Fills the model from the measured rows. cpu: of answer, files and state. */
 static void fill_model(const answer *a, lf_plan *plan, const double cpu[3])
 {
@@ -269,7 +282,7 @@ static void fill_model(const answer *a, lf_plan *plan, const double cpu[3])
     if (plan->job.is_joined)
         m->join += (plan->job.last - plan->job.first) * (image + writing);
     if (plan->job.joins_files)
-        m->join_cpu = JOIN_CPU * pixels;
+        take_video(r, plan, pixels);
 }
 
 lf_status lf_plan_measure_answer(lf_rendering *r, lf_plan *plan, const lf_plan_pilot *pilot,

@@ -283,6 +283,9 @@ static lf_status add_frames(lf_rendering *r, lf_plan *plan, lf_plan_pilot *pilot
               frames[] = {first + n / 4, plan->job.last - n / 4};
     lf_status status = LF_OK;
     for (int i = 0; i < (n > 0 ? 2 : 1) && status == LF_OK; i++) {
+        lf_renderer_destroy(r->renderer); /* with its fit, which would count as memory of a scene */
+        r->renderer = NULL;
+        lf_trim();
         const double start = lf_process_cpu();
         status = take_frame(r, frames[i], &camera, err);
         if (status == LF_OK)
@@ -299,7 +302,7 @@ lf_status lf_plan_measure(lf_rendering *r, lf_plan *plan, lf_error *err)
     const bool moves = r->sequence.on && !r->arguments->frames.of_rows;
     m->height = plan->height;
     m->load_cpu = start;
-    m->loading = lf_process_peak();
+    m->loading = fmax(lf_process_peak(), lf_process_child_peak());
     lf_status status =
         moves ? add_frames(r, plan, &pilot, err)
               : add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), start, &pilot, err);

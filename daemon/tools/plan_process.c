@@ -37,6 +37,13 @@ double lf_process_peak(void)
     return 1024.0 * (double)self.ru_maxrss;
 }
 
+double lf_process_child_peak(void)
+{
+    struct rusage children;
+    getrusage(RUSAGE_CHILDREN, &children);
+    return 1024.0 * (double)children.ru_maxrss;
+}
+
 void lf_process_forget_peak(void)
 {
     const int fd = open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);

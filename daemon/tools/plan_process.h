@@ -8,6 +8,8 @@ double lf_process_cpu(void);
 double lf_process_memory(void);
 /* Its peak since the start, or since lf_process_forget_peak. */
 double lf_process_peak(void);
+/* The largest peak of an ended child. */
+double lf_process_child_peak(void);
 /* Lets the peak begin with what is resident now, where the kernel allows it. */
 void lf_process_forget_peak(void);
 

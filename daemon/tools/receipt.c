@@ -9,7 +9,6 @@
 #include "base/file_hash.h"
 #include "base/version.h"
 #include "daemon/tools/rendering_plate.h"
-#include "daemon/tools/rendering_shared.h"
 
 /* Adds a file to the list. */
 static lf_status add_file(json_t *list, const char *name, lf_error *err)
@@ -29,51 +28,6 @@ static lf_status add_file(json_t *list, const char *name, lf_error *err)
     return json_array_append_new(list, entry) == 0
                ? LF_OK
                : lf_error_set(err, LF_E_NOMEM, name, "out of memory");
-}
-
-/* Adds a state, if it is there: frames that share parts of their shutters may not need it. Takes
- * the name. */
-static lf_status add_state(json_t *list, char *name, lf_error *err)
-{
-    lf_status status = LF_OK;
-    if (!name)
-        status = lf_error_set(err, LF_E_NOMEM, "--state", "out of memory");
-    else if (access(name, F_OK) == 0)
-        status = add_file(list, name, err);
-    lf_free(name);
-    return status;
-}
-
-/* Adds the states of a frame, or of the only light field (frame < 0). */
-static lf_status add_states_of(const lf_rendering *r, json_t *list, int frame, lf_error *err)
-{
-    const bool of_rows = r->arguments->frames.of_rows;
-    const int n_rows = r->settings.camera.n_rows;
-    int a_frame = 0;
-    const int n_parts = lf_shared_parts(r, &a_frame);
-    lf_status status = LF_OK;
-    for (int i = 0; i < a_frame && n_parts > 0 && status == LF_OK; i++)
-        status = add_state(list, lf_rendering_state_path(r, frame, -1, i), err);
-    for (int i = 0; i < n_rows && status == LF_OK; i++)
-        status = add_state(list, lf_rendering_state_path(r, frame, i, -1), err);
-    if (status == LF_OK && n_parts == 0 && n_rows == 0)
-        status = add_state(
-            list, lf_rendering_state_path(r, of_rows ? -1 : frame, of_rows ? frame : -1, -1), err);
-    return status;
-}
-
-/* Adds the states of a run that writes nothing else. */
-static lf_status add_states(const lf_rendering *r, json_t *list, lf_error *err)
-{
-    const lf_frames *frames = &r->arguments->frames;
-    int a_frame = 1;
-    const int n_parts = lf_shared_parts(r, &a_frame),
-              beyond = n_parts > 0 ? (n_parts - 1) / a_frame : 0;
-    lf_status status = r->sequence.on ? LF_OK : add_states_of(r, list, -1, err);
-    for (int i = frames->first; r->sequence.on && i <= frames->last + beyond && status == LF_OK;
-         i++)
-        status = add_states_of(r, list, i, err);
-    return status;
 }
 
 /* Adds the files of the output r->path. */
@@ -128,8 +82,6 @@ static lf_status add_outputs(lf_rendering *r, json_t *list, lf_error *err)
     const lf_render_arguments *a = r->arguments;
     const bool is_one = !r->sequence.on || a->kind == &lf_output_video;
     lf_status status = LF_OK;
-    if (lf_state_is_all(&a->state))
-        return add_states(r, list, err);
     if (r->sequence.plate)
         return add_plate(r, list, err);
     for (int i = a->frames.first; i <= a->frames.last && !is_one && status == LF_OK; i++) {

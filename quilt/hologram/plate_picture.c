@@ -1,4 +1,5 @@
 /* Pictures of a plate as files: PNG, 16-bit TIFF, EXR with halfs. */
+#include <assert.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -40,7 +41,9 @@ static lf_status write_tiff(lf_outfile *file, int width, int height, int channel
                             const uint8_t *samples, lf_error *err)
 {
     const size_t bytes = (size_t)width * (size_t)height * (size_t)channels * 2;
+    static const char program[] = "quiltd " LF_VERSION;
     uint8_t head[TIFF_HEAD] = "II*\0\10";
+    static_assert(sizeof program > 4 && sizeof program <= TIFF_TEXT_BYTES, "it has its place");
     if (bytes > UINT32_MAX - TIFF_HEAD)
         return lf_error_set(err, LF_E_ARG, file->path, "is too large for a TIFF; use exr");
     put(TIFF_ENTRIES, 2, head + 8);
@@ -55,11 +58,11 @@ static lf_status write_tiff(lf_outfile *file, int width, int height, int channel
     at = put_entry(at, 277, TIFF_SHORT, 1, (uint32_t)channels);
     at = put_entry(at, 278, TIFF_LONG, 1, (uint32_t)height); /* one strip */
     at = put_entry(at, 279, TIFF_LONG, 1, (uint32_t)bytes);
-    at = put_entry(at, 305, TIFF_ASCII, TIFF_TEXT_BYTES, TIFF_TEXT);
+    at = put_entry(at, 305, TIFF_ASCII, (int)sizeof program, TIFF_TEXT);
     put(0, 4, at);
     for (int i = 0; i < 3; i++)
         put(16, 2, head + TIFF_BITS + 2 * i);
-    strncpy((char *)head + TIFF_TEXT, "quiltd " LF_VERSION, TIFF_TEXT_BYTES - 1);
+    memcpy(head + TIFF_TEXT, program, sizeof program);
     const lf_status status = lf_outfile_write(file, head, sizeof head, err);
     return status == LF_OK ? lf_outfile_write(file, samples, bytes, err) : status;
 }

@@ -260,7 +260,19 @@ static json_t *any_value(scenario *s)
     }
 }
 
-/* Another value of a key of the head, or none, under a checksum that fits. */
+/* Replaces the head under a checksum that fits. */
+static void put_head(bytes *b, const json_t *head)
+{
+    char *text = json_dumps(head, JSON_COMPACT);
+    const uint32_t n = (uint32_t)strlen(text);
+    replace(b, HEAD, b->film, (unsigned char *)text, n);
+    memcpy(b->p + 12, &n, sizeof n);
+    b->film = HEAD + n;
+    mend(b);
+    free(text);
+}
+
+/* Another value of a key of the head, or none. */
 static void change_head(scenario *s, bytes *b)
 {
     static const char *const keys[] = {"rows",   "stream", "seed",    "passes",     "complete",
@@ -273,13 +285,7 @@ static void change_head(scenario *s, bytes *b)
         json_object_set_new(head, key, any_value(s));
     else
         json_object_del(head, key);
-    char *text = json_dumps(head, JSON_COMPACT);
-    const uint32_t n = (uint32_t)strlen(text);
-    replace(b, HEAD, b->film, (unsigned char *)text, n);
-    memcpy(b->p + 12, &n, sizeof n);
-    b->film = HEAD + n;
-    mend(b);
-    free(text);
+    put_head(b, head);
     json_decref(head);
 }
 
@@ -382,6 +388,45 @@ static void no_damage_makes_a_wrong_image(void **state)
     assert_true(t.refused > 7000 && t.merged > 300 && t.fewer > 20);
 }
 
+/* Heads under right checksums that say other things than the film; the part has rows 2 and 3. */
+static void heads_that_lie_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *patch, *words;
+    } cases[] = {
+        {"{\"rows\": [3, 4], \"complete\": false}", "differ about its rows"},
+        {"{\"rows\": [2, 4]}", "differ about being complete"},
+        {"{\"passes\": 3}", "differ about being complete"},
+        {"{\"stream\": 1}", "differ about its seed and stream"},
+        {"{\"seed\": 8}", "differ about its seed and stream"},
+        {"{\"seed\": \"18446744073709551615\"}", "differ about its seed and stream"},
+        {"{\"streams\": 2}", "differ about its random streams"},
+        {"{\"frame\": 3}", "differs in the frame"},
+        {"{\"camera_row\": 3}", "differs in the row of cameras"},
+        {"{\"complete\": 3}", "its head describes no job"},
+    };
+    static scenario s;
+    static bytes b;
+    begin(&s, true, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lf_job_merged merged;
+        lf_error err = {0};
+        b = s.part[1];
+        json_t *head = json_loadb((char *)b.p + HEAD, b.film - HEAD, 0, NULL),
+               *patch = json_loads(cases[i].patch, 0, NULL);
+        assert_true(head && patch && json_object_update(head, patch) == 0);
+        put_head(&b, head);
+        json_decref(head);
+        json_decref(patch);
+        films_put(s.path[1], (const char *)b.p, b.n);
+        assert_int_not_equal(merge(&s, SUBSETS - 1, true, &merged, &err), LF_OK);
+        if (!strstr(err.what, cases[i].words))
+            fail_msg("%s: \"%s\", expected \"%s\"", cases[i].patch, err.what, cases[i].words);
+    }
+    lf_test_folder_remove(s.folder);
+}
+
 /* The negative control, and the limit that the manual names: another number under a checksum that
  * fits makes another image. */
 static void numbers_under_right_checksums_cannot_be_known(void **state)
@@ -411,6 +456,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_damage_makes_a_wrong_image),
+        cmocka_unit_test(heads_that_lie_are_refused),
         cmocka_unit_test(numbers_under_right_checksums_cannot_be_known),
     };
     return cmocka_run_group_tests_name("mutated_states", tests, NULL, NULL);

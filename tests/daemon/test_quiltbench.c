@@ -631,9 +631,36 @@ static void a_frame_of_a_video_is_timed(void **state)
     assert_int_equal(bench_run(d, "video"), 2);
 }
 
+static void plans_are_compared_with_their_jobs(void **state)
+{
+    const char *d = *state;
+    bench_write_ball(d);
+    lf_test_write(d, "jobs",
+                  "# two jobs\nfog.json -o a.png --view-size 12x16 --passes 2\n\nfog.json -o "
+                  "views/ --view-size 12x16 --spp 1 --threads 1\n");
+    lf_test_write(d, "wrong", "fog.json -o a.png --no-such-option\n");
+    assert_int_equal(bench_run(d, "plan jobs --json p.json"), 0);
+    json_t *p = bench_load(d, "p.json");
+    const json_t *job, *jobs = json_object_get(p, "jobs");
+    size_t i;
+    assert_int_equal(json_array_size(jobs), 2);
+    json_array_foreach(jobs, i, job)
+    {
+        assert_true(bench_number(job, "planned_cpu_seconds") > 0);
+        assert_true(bench_number(job, "cpu_seconds") > 0);
+        assert_true(bench_number(job, "planned_memory") > 1e6);
+        assert_true(bench_number(job, "memory") > 1e6);
+    }
+    json_decref(p);
+    assert_int_equal(bench_run(d, "plan wrong"), 1);
+    assert_int_equal(bench_run(d, "plan none"), 1);
+    assert_int_equal(bench_run(d, "plan"), 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        lf_test_in_folder(plans_are_compared_with_their_jobs),
         lf_test_in_folder(errors_are_the_stated_formulas),
         lf_test_in_folder(limits_are_exit_codes),
         lf_test_in_folder(one_view_is_picked_out_of_many),

@@ -544,6 +544,12 @@ static void damaged_rows_are_told(void **state)
     lf_assert_ok(write_plate(&plate, path, &meaning, &err), &err);
     const int fd = open(row, O_RDWR | O_CLOEXEC);
     assert_true(fd >= 0);
+    const off_t whole = lseek(fd, 0, SEEK_END);
+    assert_int_equal(ftruncate(fd, whole - 1), 0);
+    assert_false(lf_plate_has_task(&plate, path, 1));
+    assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_FORMAT);
+    assert_int_equal(ftruncate(fd, whole), 0);
+    assert_true(lf_plate_has_task(&plate, path, 1));
     assert_int_equal(pwrite(fd, "x", 1, 20), 1); /* another number of cameras */
     assert_false(lf_plate_has_task(&plate, path, 1));
     assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_FORMAT);
@@ -554,6 +560,8 @@ static void damaged_rows_are_told(void **state)
     assert_int_equal(unlink(row), 0);
     assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_IO);
     assert_true(lf_plate_is_finished(&plate, path, facts));
+    assert_int_equal(truncate(lf_test_path(path, "views/r000/c0001.png"), 60), 0);
+    assert_false(lf_plate_is_finished(&plate, path, facts));
     assert_int_equal(unlink(lf_test_path(path, "views/r003/c0004.png")), 0);
     assert_false(lf_plate_is_finished(&plate, path, facts));
     json_decref(facts);

@@ -97,7 +97,7 @@ static void sums_beyond_what_a_row_can_have_are_refused(void **state)
 static void counts_that_lie_are_refused(void **state)
 {
     const lf_film_layout layout = films_layout(VIEWS, WIDTH, HEIGHT, 0);
-    for (int k = 0; k < 6; k++) {
+    for (int k = 0; k < 7; k++) {
         lf_film film = films_empty(&layout);
         films_visit(&film, 1, 0, 0, HEIGHT, 1, 2, false);
         lf_film_row *row = &film.rows[3];
@@ -118,12 +118,16 @@ static void counts_that_lie_are_refused(void **state)
         case 4:
             own->n[0] = row->n[0] = NAN;
             break;
-        default:
+        case 5:
             own->n[0] = row->n[0] = -row->n[0];
+            break;
+        default:
+            row->visits[0] = row->visits[1] = 0; /* not written */
             break;
         }
         films_write(&film, nth(*state, 0));
-        assert_refused(*state, 1, LF_E_FORMAT, "row 3 has invalid counts");
+        assert_refused(*state, 1, LF_E_FORMAT,
+                       k < 6 ? "row 3 has invalid counts" : "row 3 is missing");
         lf_film_finish(&film);
     }
 }
