@@ -35,7 +35,7 @@ cat > plate.json << 'END'
  "volumes": {"fog": {"shape": "sphere", "density": 4, "albedo": 0.9}},
  "lights": {"sky": {"type": "environment", "radiance": 0.7}}}
 END
-plate=(plate.json --hologram views --view-size 32x24 --spp 32)
+plate=(plate.json --hologram views --view-size 32x24 --spp 96)
 "$out/quiltrender" "${plate[@]}" -o single/ --threads 1 2> single.log || { cat single.log; exit 1; }
 
 # three frames of smoke
@@ -68,7 +68,9 @@ end() {
     exit \$?
 }
 trap end TERM INT
-sleep 0.3
+# for a tenth of a second of CPU time, of the seven or so that it needs
+ticks() { sed 's/.*) //' /proc/\$child/stat 2> /dev/null | { read -r _ _ _ _ _ _ _ _ _ _ _ user system _ && echo \$((user + system)); } }
+while [ "\$(ticks || echo 99)" -lt 10 ]; do sleep 0.02; done
 kill -STOP \$child
 echo \$child > "$top/hold/\$task.new"
 mv "$top/hold/\$task.new" "$top/hold/\$task.pid"
