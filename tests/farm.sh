@@ -35,7 +35,7 @@ cat > plate.json << 'END'
  "volumes": {"fog": {"shape": "sphere", "density": 4, "albedo": 0.9}},
  "lights": {"sky": {"type": "environment", "radiance": 0.7}}}
 END
-plate=(plate.json --hologram views --view-size 32x24 --spp 32)
+plate=(plate.json --hologram views --view-size 32x24 --spp 96)
 "$out/quiltrender" "${plate[@]}" -o single/ --threads 1 2> single.log || { cat single.log; exit 1; }
 
 # three frames of smoke
@@ -68,7 +68,9 @@ end() {
     exit \$?
 }
 trap end TERM INT
-sleep 0.3
+# for a tenth of a second of CPU time, of the seven or so that it needs
+ticks() { sed 's/.*) //' /proc/\$child/stat 2> /dev/null | { read -r _ _ _ _ _ _ _ _ _ _ _ user system _ && echo \$((user + system)); } }
+while [ "\$(ticks || echo 99)" -lt 10 ]; do sleep 0.02; done
 kill -STOP \$child
 echo \$child > "$top/hold/\$task.new"
 mv "$top/hold/\$task.new" "$top/hold/\$task.pid"
@@ -214,6 +216,7 @@ node_of() { squeue -h -r -t R -o '%K %N %j' | sed -n "s/^$1 \([^ ]*\) plate_job-
 is_down() { sinfo -h -n "$1" -o %T | grep -q down; }
 
 on_slurm() {
+    rm -f hold/* # a renderer that was released may have written its number later
     hold 0 1 2 3 4
     bin/quiltfarm plan plate.job --threads 1 --task-minutes 0 -- "${plate[@]}" -o plate/ > plan.log 2>&1 || cat plan.log
     bin/quiltfarm submit plate.job 2> submit.log || cat submit.log

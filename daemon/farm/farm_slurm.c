@@ -453,6 +453,12 @@ static bool is_usual(const char *reason)
     return false;
 }
 
+/* Reasons that a job asks for more than a node has. */
+static bool is_of_nodes(const char *reason)
+{
+    return strcmp(reason, "PartitionConfig") == 0 || strcmp(reason, "BadConstraints") == 0;
+}
+
 /* "12 3 RUNNING None": number of the array, index, state, reason. */
 static void take_line(const lf_farm_job *job, const json_t *sent, char *line, lf_farm_queue *out)
 {
@@ -474,8 +480,9 @@ static void take_line(const lf_farm_job *job, const json_t *sent, char *line, lf
         if ((i < job->n_tasks) == (first < job->n_tasks))
             lf_farm_queue_place(job, out, i, runs ? LF_FARM_RUNNING : LF_FARM_QUEUED);
     if (!runs && !is_usual(reason))
-        snprintf(out->note, sizeof out->note, "Slurm keeps %llu_%s waiting: %s",
-                 (unsigned long long)id, at, reason);
+        snprintf(out->note, sizeof out->note, "Slurm keeps %llu_%s waiting: %s%s",
+                 (unsigned long long)id, at, reason,
+                 is_of_nodes(reason) ? "; do its nodes have the processors of --threads?" : "");
 }
 
 static lf_status look_slurm(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,

@@ -55,12 +55,14 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
     return out->wanted ? LF_OK : lf_farm_no_memory(job->path, err);
 }
 
-/* LF_E_BUSY: the engine has steps of this job. */
+/* LF_E_BUSY: the engine has steps of this job, or of a removed one of the same name. */
 static lf_status check_idle(const lf_farm_job *job, const json_t *sent, lf_error *err)
 {
     lf_farm_queue queue;
-    lf_status status = lf_farm_queue_read(job, sent, &queue, err);
+    json_t *nothing = json_object();
+    lf_status status = lf_farm_queue_read(job, sent ? sent : nothing, &queue, err);
     const int n = queue.n_queued + queue.n_running;
+    json_decref(nothing);
     lf_farm_queue_finish(&queue);
     if (status == LF_OK && n > 0)
         status = lf_error_set(err, LF_E_BUSY, job->path,

@@ -422,7 +422,12 @@ static void the_queue_is_shown_and_not_sent_twice(void **state)
 {
     const char *folder = *state;
     plan_slurm(folder, "");
+    lf_test_write(folder, "queue", "7 0 PENDING PartitionConfig\n"); /* of a removed job */
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "slurm has 1 of its steps");
+    says(folder, "rm queue", 0, "");
     slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
+    lf_test_write(folder, "queue", "11 0 PENDING PartitionConfig\n");
+    slurm_says(folder, "bin/quiltfarm status job", 0, "the processors of --threads?");
     lf_test_write(folder, "queue",
                   "11 0 RUNNING None\n11 1 COMPLETING None\n11 2 PENDING JobArrayTaskLimit\n"
                   "11 3 PENDING launch failed requeued held\n12 N/A PENDING Dependency\n");
