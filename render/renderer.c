@@ -414,12 +414,13 @@ static int passes_of_visit(const lf_renderer *r, double given)
     return most > 1 ? most : 1;
 }
 
+/* In whole halves of a pass, as passes are given: n is their share of a view, rounded. */
 static double given_to(const lf_renderer *r, const lf_part *part, int half)
 {
     const lf_part whole = whole_part(r, part);
     const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, whole.stream);
     return stream && whole.first_row >= 0 && whole.first_row < r->film.height
-               ? stream->rows[whole.first_row].n[half] * r->film.n_views
+               ? 0.5 * round(2.0 * stream->rows[whole.first_row].n[half] * r->film.n_views)
                : 0.0;
 }
 

@@ -113,6 +113,24 @@ static void visits_are_those_that_rows_have(void **state)
         }
 }
 
+/* The sizes of visits do not depend on how passes per view are rounded: 12 passes of 48 views are not
+ * 11.99, of which a quarter would be two. Jobs that continue count whole passes. */
+static void visits_of_any_number_of_views_grow_alike(void **state)
+{
+    fixture *f = *state;
+    f->settings.features = true;
+    for (int views = 3; views <= 64; views++) {
+        atomic_int n = 0;
+        f->settings.camera.n_views = views;
+        restart(f);
+        lf_assert_ok(lf_renderer_passes(f->renderer, NULL, 2 * views, false, count_visit, &n, NULL),
+                     NULL);
+        assert_int_equal(lf_renderer_visits(f->renderer, 2 * views) * HEIGHT, n);
+    }
+    f->settings.camera.n_views = VIEWS;
+    f->settings.features = false;
+}
+
 /* A film that keeps features answers as it is asked to. */
 static void the_reconstructed_picture_is_given_to_who_asks_for_it(void **state)
 {
@@ -476,6 +494,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_job_gives_the_film_of_so_many_passes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(visits_are_those_that_rows_have, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(visits_of_any_number_of_views_grow_alike, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(the_reconstructed_picture_is_given_to_who_asks_for_it,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(progress_rises_to_the_end, set_up, tear_down),
