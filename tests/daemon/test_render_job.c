@@ -113,8 +113,8 @@ static void visits_are_those_that_rows_have(void **state)
         }
 }
 
-/* The sizes of visits do not depend on how passes per view are rounded: 12 passes of 48 views are not
- * 11.99, of which a quarter would be two. Jobs that continue count whole passes. */
+/* The sizes of visits do not depend on how passes per view are rounded: 12 passes of 48 views are
+ * not 11.99, of which a quarter would be two. Jobs that continue count whole passes. */
 static void visits_of_any_number_of_views_grow_alike(void **state)
 {
     fixture *f = *state;
