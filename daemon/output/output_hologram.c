@@ -278,9 +278,9 @@ json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *pl
     const double a_unit = size[0] > 0 ? mm[0] / size[0] : 0;
     json_t *made =
         json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:s?, s:o}", "quiltd", LF_VERSION, "plate_mm",
-                  pair(mm), "hogel_pitch_mm", pair(pitch), "plate", pair(size),
-                  "mm_per_unit", a_unit > 0 ? json_real(a_unit) : json_null(), "cameras",
-                  cameras_of(camera), "preset", options->preset, "settings", recorded);
+                  pair(mm), "hogel_pitch_mm", pair(pitch), "plate", pair(size), "mm_per_unit",
+                  a_unit > 0 ? json_real(a_unit) : json_null(), "cameras", cameras_of(camera),
+                  "preset", options->preset, "settings", recorded);
     if (made && depth)
         json_object_set_new(made, "shift",
                             json_pack("{s:o, s:o}", "nearest", number_or_null(depth->nearest),

@@ -8,7 +8,6 @@
 
 typedef struct run {
     lf_renderer *renderer;
-    const lf_part *part;
     const lf_budget *budget;
     lf_estimator estimator;
     float *film;
@@ -69,9 +68,10 @@ static lf_status add(run *r, int64_t n_passes, bool split)
     while (n_passes > 0 && status == LF_OK) {
         int64_t now = n_passes < cycles ? n_passes : cycles;
         status = r->goes_on && r->budget->passes > 0
-                     ? lf_renderer_passes_after(r->renderer, r->part, &r->at, now, split, row_done,
-                                                r, r->cancel)
-                     : lf_renderer_passes(r->renderer, r->part, now, split, row_done, r, r->cancel);
+                     ? lf_renderer_passes_after(r->renderer, r->budget->part, &r->at, now, split,
+                                                row_done, r, r->cancel)
+                     : lf_renderer_passes(r->renderer, r->budget->part, now, split, row_done, r,
+                                          r->cancel);
         if (status == LF_OK)
             r->passes += now;
         n_passes -= now;
@@ -84,7 +84,7 @@ static lf_status run_passes(run *r)
 {
     const int64_t n = r->budget->passes;
     lf_status status = add(r, n, n == 1 && r->estimator == LF_ESTIMATOR_CV);
-    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, r->part, &r->at))
+    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, r->budget->part, &r->at))
         return LF_E_STATE;
     return status;
 }
@@ -173,19 +173,18 @@ static int rows_of(const lf_part *part, int height)
     return end > first ? (end - first - 1) / step + 1 : 1;
 }
 
-lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part, const lf_budget *budget,
-                           lf_estimator estimator, const lf_render_times *before, float *film,
+lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                           const lf_render_times *before, float *film,
                            lf_render_progress_fn progress, void *context, const lf_cancel *cancel,
                            lf_render_times *out_times)
 {
     const lf_render_settings *settings = lf_renderer_settings(renderer);
     run r = {
         .renderer = renderer,
-        .part = part,
         .budget = budget,
         .estimator = estimator,
         .n_views = settings->camera.n_views,
-        .n_rows = rows_of(part, settings->height),
+        .n_rows = rows_of(budget->part, settings->height),
         .start = lf_time_now(),
         .cpu_start = lf_time_cpu(),
         .progress = progress,
@@ -232,8 +231,8 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
                           float *film, lf_render_progress_fn progress, void *context,
                           const lf_cancel *cancel, lf_render_times *out_times)
 {
-    lf_status status = lf_render_gather(renderer, NULL, budget, estimator, NULL, film, progress,
-                                        context, cancel, out_times);
+    lf_status status = lf_render_gather(renderer, budget, estimator, NULL, film, progress, context,
+                                        cancel, out_times);
     return status == LF_OK ? lf_render_fill(renderer, budget, estimator, cancel, out_times)
                            : status;
 }

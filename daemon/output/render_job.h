@@ -7,7 +7,8 @@
 
 #include "render/render.h"
 
-/* When to stop (exactly one of the first five is positive), and which answer to make. */
+/* When to stop (exactly one of the first five is positive), what gets the passes, and which answer
+ * to make. */
 typedef struct lf_budget {
     int64_t passes;     /* one pass = width x height base paths; --spp S is S * n_views passes */
     double seconds;     /* wall time */
@@ -18,6 +19,7 @@ typedef struct lf_budget {
     double target_denoised_error;
     /* The answer is the reconstructed picture, not the estimator's; needs features. */
     bool reconstructed;
+    const lf_part *part; /* NULL: all rows, stream 0. With rows, the budget must be passes */
 } lf_budget;
 
 /* Cost of a rendering. */
@@ -43,16 +45,13 @@ typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *p
  * check an error target; NULL without one. progress may be NULL. LF_E_CANCELLED: *out_times is the
  * cost so far.
  *
- * part (NULL: all rows, stream 0): what gets the passes. With rows, the budget must be passes.
- *
  * before NULL: the renderer's film must be empty. Otherwise `before` is the cost of the film's
  * content, from earlier calls that were cancelled or had another budget. This call continues it
  * with the same part, and *out_times is the total. Passes leave the same film, to the bit, as one
  * uninterrupted call. LF_E_STATE: the film does not come from such calls. */
-LF_NODISCARD lf_status lf_render_gather(lf_renderer *renderer, const lf_part *part,
-                                        const lf_budget *budget, lf_estimator estimator,
-                                        const lf_render_times *before, float *film,
-                                        lf_render_progress_fn progress, void *context,
+LF_NODISCARD lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget,
+                                        lf_estimator estimator, const lf_render_times *before,
+                                        float *film, lf_render_progress_fn progress, void *context,
                                         const lf_cancel *cancel, lf_render_times *out_times);
 /* To be called after lf_render_gather. For mwis without reconstruction it fills the holes
  * (lf_renderer_fill_holes). A filled film cannot be continued to the bit. LF_E_CANCELLED. */

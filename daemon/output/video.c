@@ -19,7 +19,7 @@
  * processors of the machine. With these numbers, and without x265's note about the processor, every
  * machine writes the same file. */
 #define THREADS_OF_H264 "8"
-#define THREADS_OF_H265 "frame-threads=3:pools=8"
+#define PARAMS_OF_H265 "log-level=error:info=0:frame-threads=3:pools=8"
 
 /* ----------------------------------------------------------------------------------- options -- */
 
@@ -167,10 +167,8 @@ static void add_mp4(lf_ffmpeg_words *w, const lf_video_options *o, const char *c
 {
     static const char *const of_h264[] = {"-c:v",   "libx264",  "-tag:v",        "avc1", "-preset",
                                           "medium", "-threads", THREADS_OF_H264, NULL};
-    static const char *const of_h265[] = {
-        "-c:v", "libx265",      "-tag:v",
-        "hvc1", "-x265-params", "log-level=error:info=0:" THREADS_OF_H265,
-        NULL};
+    static const char *const of_h265[] = {"-c:v",         "libx265",      "-tag:v", "hvc1",
+                                          "-x265-params", PARAMS_OF_H265, NULL};
     const char *const both[] = {"-crf",
                                 crf,
                                 "-pix_fmt",

@@ -249,7 +249,7 @@ static void take_up(lf_farmed *farmed, const char *path, unsigned bits, int64_t 
     lf_farmed_order_finish(&order);
 }
 
-void lf_farmed_take_up(lf_farmed *farmed, unsigned bits, int64_t *id)
+void lf_farmed_take_up(lf_farmed *farmed, unsigned engines, int64_t *id)
 {
     const char *folder = farmed->home.state_dir;
     DIR *dir = folder && farmed->home.export_root ? opendir(folder) : NULL;
@@ -259,7 +259,7 @@ void lf_farmed_take_up(lf_farmed *farmed, unsigned bits, int64_t *id)
             continue;
         char *path = lf_path_join(folder, entry->d_name);
         if (path)
-            take_up(farmed, path, bits, id);
+            take_up(farmed, path, engines, id);
         lf_free(path);
         n++;
     }

@@ -1,5 +1,6 @@
 #include "daemon/tools/rendering.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -189,6 +190,7 @@ static void place_row(const lf_rendering *r, int channels, const float *from, fl
     const size_t row = (size_t)r->settings.camera.n_views * (size_t)r->settings.width *
                        (size_t)channels,
                  rows = (size_t)lf_rendering_camera_rows(r), mine = (size_t)r->camera_row;
+    assert(from);
     for (size_t y = 0; y < (size_t)r->settings.height; y++)
         memcpy(all + (y * rows + mine) * row, from + y * row, row * sizeof *all);
 }

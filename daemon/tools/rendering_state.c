@@ -191,11 +191,13 @@ static lf_status gather(lf_rendering *r, const work *w, float *film, lf_error *e
     const lf_render_arguments *a = r->arguments;
     const lf_saved_field *field = w->field;
     lf_rendering_state *s = &r->state;
+    lf_budget budget = *w->budget;
+    budget.part = &w->part;
     for (;;) {
         const lf_render_times before = s->times;
-        lf_status status = lf_render_gather(field->renderer, &w->part, w->budget,
-                                            a->options.estimator, s->goes_on ? &before : NULL, film,
-                                            field->show, field->context, r->pause, &s->times);
+        lf_status status = lf_render_gather(field->renderer, &budget, a->options.estimator,
+                                            s->goes_on ? &before : NULL, film, field->show,
+                                            field->context, r->pause, &s->times);
         if (status == LF_E_STATE)
             return lf_error_set(err, status, s->path,
                                 "holds passes of another job (see --state-info); remove it or pass "

@@ -315,7 +315,8 @@ lf_status lf_film_stream_read(int fd, const unsigned char head[LF_FILM_HEAD_BYTE
 
 void lf_film_row_put(uint32_t number, const lf_film_row *row, unsigned char out[LF_FILM_ROW_BYTES])
 {
-    cursor c = {out};
+    cursor c;
+    c.p = out;
     put_u32(&c, number);
     put_u32(&c, row->met);
     put_f64(&c, row->passes);

@@ -262,9 +262,8 @@ static int run_in_pieces(fixture *f, const lf_budget *budget, lf_estimator estim
     take_up(f);
     for (bool first = true;; first = false, n++) {
         stopper s = {.left = rows * (n + 1)};
-        lf_status status =
-            lf_render_gather(f->renderer, NULL, budget, estimator, first ? NULL : &times, f->film,
-                             stop, &s, &s.cancel, &times);
+        lf_status status = lf_render_gather(f->renderer, budget, estimator, first ? NULL : &times,
+                                            f->film, stop, &s, &s.cancel, &times);
         if (status != LF_E_CANCELLED) {
             lf_assert_ok(status, NULL);
             break;
@@ -365,8 +364,8 @@ static void listed_cameras_go_on_from_any_row(void **state)
                 stopper s = {.left = rows};
                 on_merge = &s;
                 status =
-                    lf_render_gather(f->renderer, NULL, &budget, LF_ESTIMATOR_MIS,
-                                     n > 0 ? &times : NULL, f->film, NULL, NULL, &s.cancel, &times);
+                    lf_render_gather(f->renderer, &budget, LF_ESTIMATOR_MIS, n > 0 ? &times : NULL,
+                                     f->film, NULL, NULL, &s.cancel, &times);
                 on_merge = NULL;
                 assert_true(times.passes >= n_before && times.passes <= budget.passes);
                 n_before = (int)times.passes;
@@ -387,6 +386,7 @@ static void a_part_in_pieces_gives_its_rows_of_the_whole(void **state)
     float expected[FLOATS];
     const lf_budget budget = {.passes = 5 * VIEWS + 3};
     const lf_part part = {.first_row = 2, .end_row = 5};
+    const lf_budget of_part = {.passes = budget.passes, .part = &part};
     const size_t row_floats = FLOATS / HEIGHT;
     lf_render_times times = {0};
     lf_assert_ok(
@@ -397,8 +397,8 @@ static void a_part_in_pieces_gives_its_rows_of_the_whole(void **state)
     int n = 0;
     for (; status == LF_E_CANCELLED; n++) {
         stopper s = {.left = 2 * (n + 1)};
-        status = lf_render_gather(f->renderer, &part, &budget, LF_ESTIMATOR_MIS,
-                                  n > 0 ? &times : NULL, f->film, stop, &s, &s.cancel, &times);
+        status = lf_render_gather(f->renderer, &of_part, LF_ESTIMATOR_MIS, n > 0 ? &times : NULL,
+                                  f->film, stop, &s, &s.cancel, &times);
         take_up(f);
     }
     lf_assert_ok(status, NULL);
@@ -443,11 +443,11 @@ static void a_larger_budget_goes_on_where_a_smaller_one_ended(void **state)
         const lf_budget some = {.passes = passes};
         const bool on_the_way = passes % (2 * (int64_t)VIEWS) == 0 && passes <= all.passes;
         restart(f);
-        lf_assert_ok(lf_render_gather(f->renderer, NULL, &some, LF_ESTIMATOR_MWIS, NULL, f->film,
-                                      NULL, NULL, NULL, &times),
+        lf_assert_ok(lf_render_gather(f->renderer, &some, LF_ESTIMATOR_MWIS, NULL, f->film, NULL,
+                                      NULL, NULL, &times),
                      NULL);
-        lf_status status = lf_render_gather(f->renderer, NULL, &all, LF_ESTIMATOR_MWIS, &times,
-                                            f->film, NULL, NULL, NULL, &times);
+        lf_status status = lf_render_gather(f->renderer, &all, LF_ESTIMATOR_MWIS, &times, f->film,
+                                            NULL, NULL, NULL, &times);
         assert_true(!on_the_way || status == LF_OK);
         if (status != LF_OK) {
             assert_int_equal(status, LF_E_STATE);
@@ -467,8 +467,8 @@ static void a_time_that_was_spent_is_spent(void **state)
     const lf_render_times before = {.passes = 8, .seconds = 99, .cpu_seconds = 99};
     lf_render_times times;
     lf_assert_ok(lf_renderer_passes(f->renderer, NULL, 8, false, NULL, NULL, NULL), NULL);
-    lf_assert_ok(lf_render_gather(f->renderer, NULL, &budget, LF_ESTIMATOR_MIS, &before, f->film,
-                                  NULL, NULL, NULL, &times),
+    lf_assert_ok(lf_render_gather(f->renderer, &budget, LF_ESTIMATOR_MIS, &before, f->film, NULL,
+                                  NULL, NULL, &times),
                  NULL);
     assert_int_equal(times.passes, 8);
     assert_true(times.seconds >= 99);
@@ -483,8 +483,8 @@ static void integrators_that_remember_more_than_their_film_do_not_go_on(void **s
     f->settings.integrator = "amvpt";
     restart(f);
     assert_false(lf_renderer_is_its_film(f->renderer));
-    assert_int_equal(lf_render_gather(f->renderer, NULL, &budget, LF_ESTIMATOR_MIS, &before,
-                                      f->film, NULL, NULL, NULL, &times),
+    assert_int_equal(lf_render_gather(f->renderer, &budget, LF_ESTIMATOR_MIS, &before, f->film,
+                                      NULL, NULL, NULL, &times),
                      LF_E_STATE);
 }
 
