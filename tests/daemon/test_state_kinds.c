@@ -80,6 +80,8 @@ static const kind_case cases[] = {
     {"fog", "q.jpg", "--spp 2 --quality 90 --denoise on", 1},
     {"fog", "g.png", "--spp 2 --guides", 1},
     {"fog", "s.png", "--spp 4 --still", 1},
+    /* its visits grow, and shares of 48 views are no binary numbers */
+    {"fog", "v.png", "--passes 32 --views 48 --quilt 8x6 --denoise on", 1},
     {"fog", "views/", "--spp 2", 1},
     {"fog", "views/", "--spp 2 --png", 1},
     {"fog", "p.png", "--spp 2 --panel", 1},
