@@ -107,6 +107,8 @@ lf_status lf_farm_own_program(char *buf, size_t size, lf_error *err)
     if (n <= 0 || (size_t)n >= size - 1)
         return lf_error_set(err, LF_E_IO, "/proc/self/exe", "cannot be read");
     buf[n] = '\0';
+    if (strpbrk(buf, "\n\r"))
+        return lf_error_set(err, LF_E_IO, buf, "has a line end in its name; install it elsewhere");
     return LF_OK;
 }
 
@@ -358,15 +360,14 @@ static lf_status make_folders(const lf_farm_job *job, lf_error *err)
     return LF_OK;
 }
 
-static lf_status make_folder(const char *path, lf_error *err)
+/* LF_E_ARG: schedulers or shells would read another name. */
+static lf_status check_name(const char *path, lf_error *err)
 {
-    if (strpbrk(path, "%\n\r") || strstr(path, "\\"))
-        return lf_error_set(err, LF_E_ARG, path,
-                            "has a character that schedulers replace (%%, backslash, line end); "
-                            "choose another name");
-    return mkdir(path, 0777) == 0 || errno == EEXIST /* with the scene, as plan has seen */
+    return !strpbrk(path, "%\\\n\r")
                ? LF_OK
-               : lf_error_set(err, LF_E_IO, path, "cannot be made: %s", lf_errno_text(errno));
+               : lf_error_set(err, LF_E_ARG, path,
+                              "has a character that schedulers replace (%%, backslash, line end); "
+                              "choose another name");
 }
 
 /* An absolute path without "." and "..", of a folder that exists; caller frees with lf_free. */
@@ -375,6 +376,23 @@ static char *absolute(const char *path)
     char *found = realpath(path, NULL), *copy = lf_strdup(found);
     free(found);
     return copy;
+}
+
+/* Makes the folder, and sets the job's absolute path. */
+static lf_status make_folder(const char *path, lf_farm_job *job, lf_error *err)
+{
+    const bool is_new = mkdir(path, 0777) == 0;
+    if (!is_new && errno != EEXIST) /* with the scene, as plan has seen */
+        return lf_error_set(err, LF_E_IO, path, "cannot be made: %s", lf_errno_text(errno));
+    struct stat found;
+    if (!is_new && stat(path, &found) == 0) /* lf_farm_job_check_mine asks for it */
+        (void)chmod(path, found.st_mode & 07777 & ~(mode_t)(S_IWGRP | S_IWOTH));
+    lf_free(job->path);
+    job->path = absolute(path);
+    const lf_status status = job->path ? check_name(job->path, err) : lf_farm_no_memory(path, err);
+    if (status != LF_OK && is_new)
+        (void)rmdir(path);
+    return status;
 }
 
 /* The rows of a hologram plate are rendered one by one, and its manifest needs them all. A command
@@ -418,14 +436,11 @@ lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const
     job.json = make_json(path, engine, folder, words, plan);
     lf_status status = job.path && job.json ? read_plan(&job, err) : lf_farm_no_memory(path, err);
     if (status == LF_OK)
-        status = make_folder(path, err);
-    if (status == LF_OK) {
-        lf_free(job.path);
-        job.path = absolute(path);
-        status = job.path && json_object_set_new(job.json, "job", json_string(job.path)) == 0
+        status = make_folder(path, &job, err);
+    if (status == LF_OK)
+        status = json_object_set_new(job.json, "job", json_string(job.path)) == 0
                      ? make_folders(&job, err)
                      : lf_farm_no_memory(path, err);
-    }
     if (status == LF_OK)
         status = write_text(&job, "README", readme, err);
     if (status == LF_OK)
@@ -444,6 +459,9 @@ lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const
 static lf_status check_place(const lf_farm_job *job, const char *planned, lf_error *err)
 {
     struct stat here, there;
+    const lf_status status = check_name(planned, err);
+    if (status != LF_OK)
+        return status;
     if (stat(job->path, &here) == 0 && stat(planned, &there) == 0 && here.st_dev == there.st_dev &&
         here.st_ino == there.st_ino)
         return LF_OK;
@@ -487,12 +505,43 @@ void lf_farm_job_close(lf_farm_job *job)
     *job = (lf_farm_job){.lock_fd = -1};
 }
 
+/* ------------------------------------------------------------------------------------- owner -- */
+
+/* LF_E_STATE: another user may have written what is in it. A missing file is nobody's. */
+static lf_status check_mine(const char *path, lf_error *err)
+{
+    struct stat found;
+    if (lstat(path, &found) != 0)
+        return LF_OK;
+    if ((found.st_uid != geteuid() && found.st_uid != 0) || S_ISLNK(found.st_mode))
+        return lf_error_set(err, LF_E_STATE, path,
+                            "belongs to another user, whose commands are not run; plan a job of "
+                            "your own");
+    return (found.st_mode & (S_IWGRP | S_IWOTH)) == 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_STATE, path,
+                              "can be written by others, whose commands would run as yours; use "
+                              "chmod -R go-w on the job's folder");
+}
+
+lf_status lf_farm_job_check_mine(const lf_farm_job *job, lf_error *err)
+{
+    static const char *const names[] = {"job.json", "sent.json", "done", "log"};
+    lf_status status = check_mine(job->path, err);
+    for (size_t i = 0; i < sizeof names / sizeof *names && status == LF_OK; i++) {
+        char *path = lf_farm_job_path(job, "%s", names[i]);
+        status = path ? check_mine(path, err) : lf_farm_no_memory(job->path, err);
+        lf_free(path);
+    }
+    return status;
+}
+
 /* -------------------------------------------------------------------------------------- lock -- */
 
 static int open_lock(const lf_farm_job *job)
 {
     char *path = lf_farm_job_path(job, "log/lock");
-    const int fd = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666) : -1;
+    const int fd = path ? open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666) : -1;
     lf_free(path);
     return fd;
 }

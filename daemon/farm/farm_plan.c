@@ -1,3 +1,4 @@
+#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -221,18 +222,37 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
     return status;
 }
 
-/* A folder that exists is taken if the scene is in it, and no job: quiltd writes the scene so. */
+/* Names that a folder may have beside the scene: quiltd writes this one. */
+#define PANEL "panel.json"
+
+/* True if a folder holds the scene and nothing that a job would write over. */
+static bool holds_only(const char *path, const char *scene)
+{
+    const char *slash = strrchr(scene, '/'), *own = slash ? slash + 1 : scene;
+    DIR *folder = opendir(path);
+    bool has_scene = false, has_more = !folder;
+    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
+        const char *name = entry->d_name;
+        const bool is_scene = strcmp(name, own) == 0;
+        has_scene |= is_scene;
+        has_more |= !is_scene && strcmp(name, PANEL) != 0 && strcmp(name, ".") != 0 &&
+                    strcmp(name, "..") != 0;
+    }
+    if (folder)
+        closedir(folder);
+    return has_scene && !has_more;
+}
+
+/* A folder that exists is taken if only the scene is in it, as quiltd writes it. */
 static bool is_free(const char *folder, const char *scene)
 {
     struct stat given, inside;
-    char *parent = lf_path_folder(scene), *job = lf_path_join(folder, "job.json");
+    char *parent = lf_path_folder(scene);
     const bool is_free =
-        access(folder, F_OK) != 0 ||
-        (parent && job && stat(folder, &given) == 0 && stat(parent, &inside) == 0 &&
-         given.st_dev == inside.st_dev && given.st_ino == inside.st_ino &&
-         access(scene, F_OK) == 0 && access(job, F_OK) != 0);
+        access(folder, F_OK) != 0 || (parent && stat(folder, &given) == 0 &&
+                                      stat(parent, &inside) == 0 && given.st_dev == inside.st_dev &&
+                                      given.st_ino == inside.st_ino && holds_only(folder, scene));
     lf_free(parent);
-    lf_free(job);
     return is_free;
 }
 

@@ -66,6 +66,25 @@ static void block_signals(sigset_t *out_before)
     sigprocmask(SIG_BLOCK, &ours, out_before);
 }
 
+/* ------------------------------------------------------------------------------------- umask -- */
+
+static mode_t users_umask;
+static bool has_own_umask;
+
+void lf_farm_keep_others_out(void)
+{
+    users_umask = umask(077);
+    has_own_umask = true;
+    (void)umask(users_umask | S_IWGRP | S_IWOTH);
+}
+
+/* In a child. */
+static void restore_umask(void)
+{
+    if (has_own_umask)
+        (void)umask(users_umask);
+}
+
 /* -------------------------------------------------------------------------------------- find -- */
 
 /* The whole path of a program in PATH. */
@@ -100,6 +119,7 @@ __attribute__((noreturn)) static void become(const lf_farm_run *run, pid_t paren
     sigaction(SIGTERM, &usual, NULL);
     sigaction(SIGINT, &usual, NULL);
     sigprocmask(SIG_SETMASK, mask, NULL);
+    restore_umask();
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent || (run->folder && chdir(run->folder) != 0))
         _exit(CANNOT_START);
@@ -240,7 +260,7 @@ lf_status lf_farm_process_run(lf_farm_run *run, lf_error *err)
     listener l = {.run = run, .fd = -1, .log_fd = -1};
     sigset_t before;
     if (run->log)
-        l.log_fd = open(run->log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+        l.log_fd = open(run->log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
     block_signals(&before);
     const pid_t pid = start(run, &before, &l.fd);
     if (pid >= 0) {
@@ -290,6 +310,7 @@ lf_status lf_farm_process_read(char *const words[], char **out_text, int *out_co
     const pid_t pid = fork();
     if (pid == 0) {
         dup2(fds[1], STDOUT_FILENO);
+        restore_umask();
         execvp(words[0], words);
         _exit(CANNOT_START);
     }

@@ -12,6 +12,10 @@ void lf_farm_catch_signals(void);
 /* True once one of these signals has come. */
 bool lf_farm_is_told_to_end(void);
 
+/* From now on only this user can write the files that this program makes. Programs that it runs get
+ * the user's own umask. */
+void lf_farm_keep_others_out(void);
+
 /* A program's work and its cost. */
 typedef struct lf_farm_run {
     char *const *words;   /* words[0]: a path, or a name that is looked up in PATH */
@@ -25,7 +29,7 @@ typedef struct lf_farm_run {
     int signal;           /* out: that ended it; 0: none */
     int code;             /* out: exit status */
     bool quiet;           /* print nothing: what it prints goes to the log only */
-    char last[256];       /* out: the last line that it printed, without control characters */
+    char last[1280];      /* out: the last line that it printed, without control characters */
 } lf_farm_run;
 
 /* Finds a program of ours: installed with this one, or in PATH. LF_E_IO. */

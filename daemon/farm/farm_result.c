@@ -11,6 +11,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/escape.h"
 #include "base/file.h"
 #include "base/number.h"
 #include "base/version.h"
@@ -76,7 +77,7 @@ static bool is_complete(const lf_farm_job *job, int step)
 
 static void copy_text(char *out, size_t size, const json_t *text)
 {
-    snprintf(out, size, "%s", json_is_string(text) ? json_string_value(text) : "");
+    lf_escape(out, size, json_is_string(text) ? json_string_value(text) : ""); /* for terminals */
 }
 
 static void read_failed(const lf_farm_job *job, int step, lf_farm_result *out)

@@ -25,20 +25,23 @@ typedef struct runner {
     int step;
     bool quiet;
     char *log, *running;
+    char last[sizeof((lf_farm_run *)0)->last]; /* of the last program */
     double cpu_seconds, seconds;
 } runner;
 
 /* ----------------------------------------------------------------------------------- program -- */
 
-/* LF_E_CANCELLED: it was interrupted; LF_E_STATE: it failed, with its last words. */
-static lf_status say_end(const lf_farm_run *run, const char *program, lf_error *err)
+/* LF_E_CANCELLED: it was interrupted, and nothing that it should have saved is lost; LF_E_STATE: it
+ * failed, with its last words. */
+static lf_status say_end(const lf_farm_run *run, const char *program, bool saves, lf_error *err)
 {
     if (run->signal == 0 && run->code == LF_EXIT_OK)
         return LF_OK;
-    if (lf_farm_is_told_to_end() || run->code == LF_EXIT_INTERRUPTED)
-        return lf_error_set(err, LF_E_CANCELLED, program, "interrupted");
     /* a shell between the two answers 128 + signal */
     const int number = run->signal == 0 && run->code > 128 ? run->code - 128 : run->signal;
+    const bool too_early = number == SIGTERM || number == SIGINT; /* it had nothing to save yet */
+    if (run->code == LF_EXIT_INTERRUPTED || (lf_farm_is_told_to_end() && (too_early || !saves)))
+        return lf_error_set(err, LF_E_CANCELLED, program, "interrupted");
     if (number == SIGKILL)
         return lf_error_set(err, LF_E_STATE, program,
                             "was killed, perhaps because memory was short; its last line: %s",
@@ -51,7 +54,9 @@ static lf_status say_end(const lf_farm_run *run, const char *program, lf_error *
                : lf_error_set(err, LF_E_STATE, program, "ended with status %d", run->code);
 }
 
-static lf_status run_program(runner *r, const char *program, lf_farm_words *words, lf_error *err)
+/* saves: it keeps a state, and ends with LF_EXIT_INTERRUPTED only if that was written. */
+static lf_status run_program(runner *r, const char *program, bool saves, lf_farm_words *words,
+                             lf_error *err)
 {
     char path[PATH_MAX];
     lf_farm_run run = {
@@ -67,10 +72,11 @@ static lf_status run_program(runner *r, const char *program, lf_farm_words *word
     words->list[0] = name;
     r->cpu_seconds += run.cpu_seconds;
     r->seconds += run.seconds;
-    return status == LF_OK ? say_end(&run, program, err) : status;
+    snprintf(r->last, sizeof r->last, "%s", run.last);
+    return status == LF_OK ? say_end(&run, program, saves, err) : status;
 }
 
-/* -------------------------------------------------------------------------------------- task -- */
+/* ------------------------------------------------------------------------------------ render -- */
 
 static void add_path(lf_farm_words *words, char *path)
 {
@@ -125,20 +131,32 @@ static lf_status render(runner *r, bool with_state, lf_error *err)
         lf_farm_job_words(r->job, r->job->join, 0, &words);
     else
         lf_farm_job_words(r->job, r->job->command, 1, &words);
-    const lf_status status = run_program(r, RENDERER, &words, err);
+    const lf_status status = run_program(r, RENDERER, with_state, &words, err);
     lf_farm_words_finish(&words);
     return status;
 }
 
-static lf_status run_task(runner *r, lf_error *err)
+/* ------------------------------------------------------------------------------------ states -- */
+
+/* True if the last program has named the state of a step. */
+static bool has_named(const runner *r, int step, int field)
 {
-    const lf_status status = render(r, true, err);
-    if (status != LF_OK || r->job->steps[r->step].rows[0] < 0)
-        return status;
-    return lf_farm_result_receipt(r->job, r->step, err);
+    char *path = lf_farm_step_state(r->job, step, field);
+    const char *name = path ? strrchr(path, '/') : NULL;
+    const bool is = name && strstr(r->last, name);
+    lf_free(path);
+    return is;
 }
 
-/* ------------------------------------------------------------------------------------ finish -- */
+/* A state that cannot be used is removed, and its step is to run again. */
+static void drop_state(const runner *r, int step, int field)
+{
+    char *path = lf_farm_step_state(r->job, step, field);
+    lf_farm_result_revoke(r->job, step);
+    if (path)
+        (void)unlink(path);
+    lf_free(path);
+}
 
 static bool holds_field(const lf_farm_job *job, int task, int field)
 {
@@ -146,6 +164,49 @@ static bool holds_field(const lf_farm_job *job, int task, int field)
     lf_farm_step_fields(job, task, fields);
     return job->steps[task].rows[0] >= 0 && fields[0] <= field && field <= fields[1];
 }
+
+/* Removes a state that the renderer has called damaged, and has the only task run again that has
+ * written it. */
+static void drop_damaged(const runner *r)
+{
+    const lf_farm_step *s = &r->job->steps[r->step];
+    const bool is_finish = r->step >= r->job->n_tasks;
+    int fields[2];
+    lf_farm_step_fields(r->job, r->step, fields);
+    for (int field = fields[0]; field <= fields[1] && strstr(r->last, "is damaged"); field++) {
+        int n = 0, task = 0;
+        if (!has_named(r, r->step, field))
+            continue;
+        drop_state(r, r->step, field);
+        for (int i = s->tasks[0]; is_finish && i <= s->tasks[1]; i++)
+            if (holds_field(r->job, i, field)) {
+                task = i;
+                n++;
+            }
+        if (n == 1)
+            drop_state(r, task, field);
+    }
+}
+
+static lf_status render_from_state(runner *r, lf_error *err)
+{
+    const lf_status status = render(r, true, err);
+    if (status == LF_E_STATE)
+        drop_damaged(r);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------------- task -- */
+
+static lf_status run_task(runner *r, lf_error *err)
+{
+    const lf_status status = render_from_state(r, err);
+    if (status != LF_OK || r->job->steps[r->step].rows[0] < 0)
+        return status;
+    return lf_farm_result_receipt(r->job, r->step, err);
+}
+
+/* ------------------------------------------------------------------------------------ finish -- */
 
 /* LF_E_STATE: a state is not complete. A machine that was thought to be lost may have replaced a
  * complete state by an older one. */
@@ -166,8 +227,8 @@ static lf_status check_part(const runner *r, int task, const char *path, lf_erro
     lf_farm_words_finish(&words);
     if (status != LF_OK)
         return status;
-    json_t *state = json_loads(info, 0, NULL);
-    if (code != 0 || !json_is_true(json_object_get(state, "complete"))) {
+    json_t *state = json_loads(info, 0, NULL); /* one that cannot be read fails the renderer, too */
+    if (code == 0 && !json_is_true(json_object_get(state, "complete"))) {
         lf_farm_result_revoke(r->job, task);
         status = lf_error_set(err, LF_E_STATE, path, "is not complete; submit %s again",
                               lf_farm_step_text(r->job, task, text));
@@ -190,6 +251,42 @@ static lf_status name_again(const char *path, const char *name, lf_error *err)
                 : lf_error_set(err, LF_E_IO, name, "cannot be made: %s", lf_errno_text(why));
 }
 
+/* Has the tasks run again whose states quiltmerge refuses by name. One that is not complete goes on
+ * from its state; others begin anew. *out: one of them. True: there is one. */
+static bool drop_refused(const runner *r, int field, int *out)
+{
+    const lf_farm_step *s = &r->job->steps[r->step];
+    const bool is_bad =
+                   strstr(r->last, "make this part again") || strstr(r->last, "of another job"),
+               is_early = strstr(r->last, "is not complete");
+    bool found = false;
+    for (int i = s->tasks[0]; i <= s->tasks[1] && (is_bad || is_early); i++) {
+        if (!holds_field(r->job, i, field) || !has_named(r, i, field))
+            continue;
+        if (is_bad)
+            drop_state(r, i, field);
+        else
+            lf_farm_result_revoke(r->job, i);
+        *out = i;
+        found = true;
+    }
+    return found;
+}
+
+static lf_status merge_parts(runner *r, int field, lf_farm_words *words, lf_error *err)
+{
+    char text[LF_FARM_STEP_NAME];
+    lf_error why = {0};
+    int task = 0;
+    lf_status status = run_program(r, MERGER, false, words, &why);
+    if (status == LF_E_STATE && drop_refused(r, field, &task))
+        return lf_error_set(err, status, lf_farm_step_text(r->job, task, text),
+                            "must run again; resume the job (%s)", r->last);
+    if (status != LF_OK && err)
+        *err = why;
+    return status;
+}
+
 /* Puts the parts of one light field (-1: the only one) together as the state of the finish. One
  * part that is the whole gets a second name. */
 static lf_status merge_field(runner *r, int field, lf_error *err)
@@ -198,22 +295,23 @@ static lf_status merge_field(runner *r, int field, lf_error *err)
     lf_farm_words words = {0};
     lf_status status = LF_OK;
     char *whole = lf_farm_step_state(r->job, r->step, field);
+    int task = 0;
     lf_farm_words_add(&words, "%s", MERGER);
-    for (int i = s->tasks[0]; i <= s->tasks[1] && status == LF_OK; i++) {
-        char *part = holds_field(r->job, i, field) ? lf_farm_step_state(r->job, i, field) : NULL;
-        if (!part)
-            continue;
-        status = check_part(r, i, part, err);
-        add_path(&words, part);
-    }
-    if (!whole || words.failed)
+    for (int i = s->tasks[0]; i <= s->tasks[1]; i++)
+        if (holds_field(r->job, i, field)) {
+            add_path(&words, lf_farm_step_state(r->job, i, field));
+            task = i;
+        }
+    if (!whole || words.failed) {
         status = lf_farm_no_memory(MERGER, err);
-    if (status == LF_OK && words.n == 2) {
-        status = name_again(words.list[1], whole, err);
-    } else if (status == LF_OK) {
+    } else if (words.n == 2) {
+        status = check_part(r, task, words.list[1], err);
+        if (status == LF_OK)
+            status = name_again(words.list[1], whole, err);
+    } else {
         lf_farm_words_add(&words, "-o");
         lf_farm_words_add(&words, "%s", whole);
-        status = run_program(r, MERGER, &words, err);
+        status = merge_parts(r, field, &words, err);
     }
     lf_free(whole);
     lf_farm_words_finish(&words);
@@ -267,7 +365,9 @@ static lf_status run_finish(runner *r, lf_error *err)
     lf_status status = wait_for_tasks(r->job, r->step, err);
     for (int field = fields[0]; field <= fields[1] && merges && status == LF_OK; field++)
         status = merge_field(r, field, err);
-    return status == LF_OK ? render(r, merges, err) : status;
+    if (status != LF_OK)
+        return status;
+    return merges ? render_from_state(r, err) : render(r, false, err);
 }
 
 /* -------------------------------------------------------------------------------------- step -- */

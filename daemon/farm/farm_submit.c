@@ -18,6 +18,13 @@ typedef struct selection {
     int n_tasks, n_finishes, n_given_up;
 } selection;
 
+/* Opens a job whose words may be run. */
+static lf_status open_mine(const char *path, lf_farm_job *job, lf_error *err)
+{
+    const lf_status status = lf_farm_job_open(path, job, err);
+    return status == LF_OK ? lf_farm_job_check_mine(job, err) : status;
+}
+
 /* A finish is wanted if it is missing and can be reached: no step that it needs was given up. */
 static bool can_be_reached(const lf_farm_job *job, const lf_farm_result *results,
                            const bool *wanted, int finish)
@@ -134,7 +141,7 @@ static lf_status submit(const lf_farm_command *c, bool forgives, lf_error *err)
     lf_farm_job job;
     json_t *before = NULL, *record = NULL;
     selection s = {0};
-    lf_status status = lf_farm_job_open(c->job, &job, err);
+    lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
         status = lf_farm_job_lock(&job, err);
     if (status == LF_OK)
@@ -168,7 +175,7 @@ lf_status lf_farm_cancel(const lf_farm_command *c, lf_error *err)
 {
     lf_farm_job job;
     json_t *sent = NULL;
-    lf_status status = lf_farm_job_open(c->job, &job, err);
+    lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
         status = lf_farm_job_read(&job, SENT, &sent, err);
     if (status == LF_OK && !sent)
@@ -207,7 +214,7 @@ static lf_status run_steps(const lf_farm_job *job, int first, int last, lf_error
 static lf_status run_command(const lf_farm_command *c, bool is_task, lf_error *err)
 {
     lf_farm_job job;
-    lf_status status = lf_farm_job_open(c->job, &job, err);
+    lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK) {
         const int n = is_task ? job.n_tasks : job.n_finishes, from = is_task ? 0 : job.n_tasks;
         int range[2];
@@ -233,7 +240,7 @@ lf_status lf_farm_merge(const lf_farm_command *c, lf_error *err)
 {
     lf_farm_job job;
     lf_farm_result *results = NULL;
-    lf_status status = lf_farm_job_open(c->job, &job, err);
+    lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
         status = lf_farm_job_lock(&job, err);
     if (status == LF_OK)

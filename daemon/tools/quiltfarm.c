@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/nearest.h"
 #include "daemon/farm/farm.h"
+#include "daemon/farm/farm_process.h"
 #include "daemon/output/options.h"
 
 #define PROGRAM "quiltfarm"
@@ -129,6 +130,7 @@ int main(int argc, char *argv[])
     lf_error err = {0};
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
+    lf_farm_keep_others_out();
     lf_status status = read_arguments(argc, argv, &options, &command, &chosen, &done, &err);
     if (status == LF_OK && !done)
         status = chosen->run(&command, &err);

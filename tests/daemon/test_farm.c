@@ -161,12 +161,47 @@ static void an_older_state_of_a_lost_machine_is_not_merged(void **state)
     /* as long as before, so that sizes do not tell */
     says(folder,
          "sed -i 's/\"complete\": true /\"complete\": false/; s/true,/null,/' "
-         "job/states/task_1_0000.lfstate",
+         "job/states/task_1_0000.lfstate job/states/task_4_0002.lfstate",
          0, "");
-    says(folder, "bin/quiltfarm merge job", 1, "submit task 1 again");
+    says(folder, "bin/quiltfarm merge job", 1, "task 1: must run again");
+    says(folder, "bin/quiltfarm status job", 0, "submit task 4 again");
     assert_false(is_there(folder, "out/field_0000.txt"));
-    assert_tasks(folder, "complete", 4);
+    assert_false(is_there(folder, "out/field_0002.txt"));
+    assert_tasks(folder, "complete", 3);
+    assert_true(is_there(folder, "job/states/task_1_0000.lfstate"));
     says(folder, "rm job/states/task_1_0000.lfstate", 0, "");
+    says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
+}
+
+/* Submitting again repairs what is damaged, though sizes are right: by the words of quiltmerge, or
+ * of the renderer if there is one part only. */
+static void a_damaged_state_is_made_again(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "sh -e job/tasks && cd job/states && sed -i 's/^{/[/' task_2_0001.lfstate "
+         "task_4_0002.lfstate",
+         0, "");
+    says(folder, "bin/quiltfarm merge job", 1, "task 2: must run again; resume the job");
+    assert_non_null(strstr(got.text, "finish_2_0002.lfstate: is damaged"));
+    says(folder, "bin/quiltfarm resume job 2> /dev/null | wc -l", 0, "2\n");
+    says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
+}
+
+/* The states of two scenes: nobody knows which one is right. */
+static void states_of_another_job_are_made_again(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "sh -e job/tasks && sed -i 's/\"passes\": 12/\"passes\": 13/' "
+         "job/states/task_0_0000.lfstate",
+         0, "");
+    says(folder, "bin/quiltfarm merge job", 1, "must run again; resume the job (quiltmerge: ");
+    says(folder, "bin/quiltfarm resume job 2> /dev/null", 0, "/job 0\n");
+    assert_non_null(strstr(got.text, "/job 1\n"));
+    assert_null(strstr(got.text, "/job 2\n"));
     says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
 }
 
@@ -239,6 +274,20 @@ static void an_interrupted_task_goes_on_from_its_state(void **state)
     says(folder, "touch now; " EVERYTHING " && rm -r direct; " DIRECT " && " SAME, 0, "");
 }
 
+/* A full disk: exit status 75 would send the task back to the queue for ever. */
+static void a_task_that_could_not_save_has_failed(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; bin/quiltfarm task job 0 & "
+         "task=$!; until grep -qs 'from pass' job/log/task_0.log; do sleep 0.1; done; "
+         "mv job/states job/away; kill -TERM $task; wait $task",
+         1, "");
+    assert_failed(folder, "cannot write");
+    says(folder, "mv job/away job/states; touch now; bin/quiltfarm task job 0", 0, "is complete");
+}
+
 /* The scheduler often signals every process; the renderer ends at once when a signal comes twice.
  */
 static void a_signal_to_all_processes_saves_the_state(void **state)
@@ -290,9 +339,65 @@ static void a_folder_that_holds_the_scene_becomes_a_job(void **state)
     const char *folder = *state;
     says(folder, "mkdir job; cp scene.json job/", 0, "");
     says(folder, PLAN, 1, "exists; choose a new folder");
+    says(folder, "touch job/README; bin/quiltfarm plan job --engine list -- job/scene.json -o out",
+         1, "exists; choose a new folder");
+    says(folder, "[ ! -s job/README ] && rm job/README && touch job/panel.json", 0, "");
     says(folder, "bin/quiltfarm plan job --engine list -- job/scene.json -o out", 0, "for list");
     says(folder, "bin/quiltfarm plan job --engine list -- job/scene.json -o out", 1,
          "exists; choose a new folder");
+}
+
+/* The path goes into lines of a shell and options of schedulers, however it was typed. */
+static void the_whole_path_is_checked_for_what_schedulers_replace(void **state)
+{
+    static const char *const names[] = {"y\ntouch PWNED #", "100%a", "a\\b"};
+    const char *folder = *state;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const char *there = lf_test_path(folder, names[i]);
+        assert_int_equal(mkdir(there, 0755), 0);
+        says(there, "../bin/quiltfarm plan job --engine list -- ../scene.json -o out", 2,
+             "choose another name");
+        assert_false(is_there(there, "job"));
+    }
+}
+
+/* sent.json holds words that are run. A folder that quiltfarm makes is never so. */
+static void a_job_that_others_can_write_is_not_run(void **state)
+{
+    static const char *const names[] = {"", "/job.json", "/sent.json", "/done", "/log"};
+    const char *folder = *state;
+    char words[256];
+    says(folder, "umask 002; " PLAN " && bin/quiltfarm submit job", 0, "/job 4\n");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        snprintf(words, sizeof words, "chmod g+w job%s; bin/quiltfarm resume job", names[i]);
+        says(folder, words, 1, "can be written by others");
+        says(folder, "bin/quiltfarm task job 0", 1, "can be written by others");
+        says(folder, "bin/quiltfarm merge job", 1, "can be written by others");
+        says(folder, "chmod -R go-w job; bin/quiltfarm status job", 0, "queued");
+    }
+    says(folder, "mv job/sent.json s; ln -s ../s job/sent.json; bin/quiltfarm resume job", 1,
+         "belongs to another user");
+    says(folder, "mv s job/sent.json; echo before > s; ln -s ../../s job/log/task_0.log", 0, "");
+    says(folder, "bin/quiltfarm task job 0 && cat s", 0, "before\n");
+    says(folder, "cat s", 0, "before\n");
+    assert_string_equal(got.text, "before\n");
+    if (geteuid() == 0)
+        says(folder, "chown 1 job; bin/quiltfarm resume job && exit; chown 0 job; false", 1,
+             "belongs to another user");
+    /* what programs make keeps the user's umask */
+    says(folder, "umask 002; bin/quiltfarm task job 4; stat -c %A job/states/task_4*", 0,
+         "-rw-rw-r--");
+}
+
+static void words_of_failures_do_not_steer_the_terminal(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "echo '{\"failures\": 1, \"words\": \"\\u001b]0;pwn\\u0007\"}' > "
+         "job/done/task_0.failed; bin/quiltfarm status job",
+         0, "\\x1b]0;pwn\\x07");
+    assert_null(strchr(got.text, 27));
 }
 
 static void a_job_that_was_moved_is_refused(void **state)
@@ -455,13 +560,19 @@ int main(void)
         in_folder(a_step_is_complete_while_its_files_have_their_sizes),
         in_folder(only_what_is_missing_is_sent),
         in_folder(an_older_state_of_a_lost_machine_is_not_merged),
+        in_folder(a_damaged_state_is_made_again),
+        in_folder(states_of_another_job_are_made_again),
         in_folder(the_same_task_twice_at_once_is_harmless),
         in_folder(a_task_that_fails_leaves_its_words),
         in_folder(a_killed_program_is_told),
         in_folder(an_interrupted_task_goes_on_from_its_state),
+        in_folder(a_task_that_could_not_save_has_failed),
         in_folder(a_signal_to_all_processes_saves_the_state),
         in_folder(mistakes_on_the_command_line_are_told),
         in_folder(a_folder_that_holds_the_scene_becomes_a_job),
+        in_folder(the_whole_path_is_checked_for_what_schedulers_replace),
+        in_folder(a_job_that_others_can_write_is_not_run),
+        in_folder(words_of_failures_do_not_steer_the_terminal),
         in_folder(a_job_that_was_moved_is_refused),
         in_folder(a_damaged_plan_makes_no_job),
         in_folder(damaged_files_of_a_job_are_refused_or_missing),
