@@ -59,7 +59,8 @@ LF_NODISCARD lf_status lf_farm_job_make(const char *path, const lf_farm_engine *
  * folder was moved; LF_E_IO. */
 LF_NODISCARD lf_status lf_farm_job_open(const char *path, lf_farm_job *out, lf_error *err);
 void lf_farm_job_close(lf_farm_job *job);
-/* For whoever sends or finishes, until the job is closed. LF_E_BUSY: another process has it. */
+/* For whoever sends or finishes, until the job is closed. LF_E_BUSY: another process has it. A file
+ * system without locks gets a warning, and LF_OK. */
 LF_NODISCARD lf_status lf_farm_job_lock(lf_farm_job *job, lf_error *err);
 /* True if another process has the lock. */
 bool lf_farm_job_is_locked(const lf_farm_job *job);
