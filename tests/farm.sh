@@ -278,6 +278,29 @@ never_on_slurm() {
     report "a cancelled job leaves the queue" "$(case $(state frames.job) in interrupted | complete) ;; *) bin/quiltfarm status frames.job ;; esac)"
 }
 
+# Tasks that run are cancelled, by scancel alone and by quiltfarm. A task that returned to the queue would be seen there: it waits
+# for 6 seconds, and then runs until a file exists.
+cancelled_on_slurm() {
+    sed 's/"wait": 0.01/"until": "now"/' "$src/tests/farm/scene.json" > until.json
+    fake/quiltfarm plan cancel.job --threads 1 -- until.json -o cancel-bands > /dev/null
+    three_run() { [ "$(squeue -h -r -t R -o %j | grep -c ^cancel_job-)" -eq 3 ] && [ "$(cat cancel.job/log/task_*.log | grep -c 'from pass')" -ge "$1" ]; }
+    local by name
+    for by in scancel quiltfarm; do
+        fake/quiltfarm submit cancel.job 2> cancel.log || cat cancel.log
+        wait_for "three tasks run" three_run $([ $by = scancel ] && echo 3 || echo 6)
+        name=$(squeue -h -o %j | grep -m 1 ^cancel_job-)
+        if [ $by = scancel ]; then scancel --name="$name"; else fake/quiltfarm cancel cancel.job 2> cancel.log || cat cancel.log; fi
+        wait_for "tasks that $by cancelled end" is_empty
+        sleep 3
+        report "tasks that run are cancelled by $by" "$(is_empty || squeue -r; expect_state cancel.job interrupted; [ "$(find cancel.job/states -name 'task_*' | wc -l)" -ge 3 ] || ls cancel.job/states)"
+    done
+    : > now
+    fake/quiltfarm resume cancel.job 2> cancel.log || cat cancel.log
+    wait_for "the queue is empty" is_empty
+    report "a cancelled job can be resumed" "$(expect_state cancel.job complete; diff -r bands cancel-bands)"
+}
+
 on_slurm
 never_on_slurm
+cancelled_on_slurm
 end

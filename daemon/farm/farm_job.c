@@ -12,6 +12,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/file.h"
+#include "base/log.h"
 #include "base/number.h"
 #include "base/version.h"
 #include "daemon/farm/farm_engine.h"
@@ -553,6 +554,11 @@ lf_status lf_farm_job_lock(lf_farm_job *job, lf_error *err)
         return lf_error_set(err, LF_E_IO, job->path, "cannot be written: %s", lf_errno_text(errno));
     if (flock(job->lock_fd, LOCK_EX | LOCK_NB) == 0)
         return LF_OK;
+    if (errno != EWOULDBLOCK) { /* a file system without locks */
+        lf_log(LF_LOG_WARNING, "%s: cannot be locked (%s); let only one quiltfarm submit it",
+               job->path, lf_errno_text(errno));
+        return LF_OK;
+    }
     return lf_error_set(err, LF_E_BUSY, job->path,
                         "another quiltfarm works on it; see quiltfarm status");
 }

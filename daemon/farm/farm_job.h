@@ -62,7 +62,8 @@ void lf_farm_job_close(lf_farm_job *job);
 /* For whoever runs what the folder says. LF_E_STATE: the folder, or a file in it that holds
  * commands or words, belongs to another user than this one and root, or others may write it. */
 LF_NODISCARD lf_status lf_farm_job_check_mine(const lf_farm_job *job, lf_error *err);
-/* For whoever sends or finishes, until the job is closed. LF_E_BUSY: another process has it. */
+/* For whoever sends or finishes, until the job is closed. LF_E_BUSY: another process has it. A file
+ * system without locks gets a warning, and LF_OK. */
 LF_NODISCARD lf_status lf_farm_job_lock(lf_farm_job *job, lf_error *err);
 /* True if another process has the lock. */
 bool lf_farm_job_is_locked(const lf_farm_job *job);

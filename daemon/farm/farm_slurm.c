@@ -1,16 +1,17 @@
 /* slurm: arrays of tasks, and finishes that depend on them. Calls sbatch, squeue, scontrol and
  * scancel as programs. */
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "base/number.h"
 #include "daemon/farm/farm_engine.h"
-#include "daemon/farm/farm_process.h"
+#include "daemon/farm/farm_slurm_internal.h"
 
 /* Limits of a Slurm that does not tell its own: its defaults. */
 #define USUAL_ARRAY 1001
@@ -22,41 +23,12 @@
 #define LEAST_MEMORY (256.0 * 1048576)
 #define MORE_TIME 3.0
 #define LEAST_MINUTES 10.0
-
-/* ----------------------------------------------------------------------------------- program -- */
-
-/* Runs one of Slurm's programs; *out_text (lf_free): what it prints. */
-static lf_status call(lf_farm_words *words, char **out_text, lf_error *err)
-{
-    int code = 0;
-    lf_status status = words->failed ? lf_farm_no_memory("slurm", err)
-                                     : lf_farm_process_read(words->list, out_text, &code, err);
-    if (status == LF_E_IO)
-        return lf_error_set(err, status, words->list[0],
-                            "not found; go to a machine with Slurm, or plan with --engine list");
-    if (status == LF_OK && code != 0) {
-        status = lf_error_set(err, LF_E_IO, words->list[0],
-                              "ended with status %d, as it says above", code);
-        lf_free(*out_text);
-        *out_text = NULL;
-    }
-    return status;
-}
-
-/* The name of the job in the queue: of its folder, and unique by its path. */
-static void queue_name(const lf_farm_job *job, char *buf, size_t size)
-{
-    uint32_t hash = 2166136261U; /* FNV-1a */
-    const char *folder = strrchr(job->path, '/');
-    char plain[64];
-    size_t n = 0;
-    for (const char *c = job->path; *c; c++)
-        hash = (hash ^ (unsigned char)*c) * 16777619U;
-    for (const char *c = folder ? folder + 1 : job->path; *c && n < sizeof plain - 1; c++)
-        plain[n++] = isalnum((unsigned char)*c) ? *c : '_';
-    plain[n] = '\0';
-    snprintf(buf, size, "%s-%08x", plain, hash);
-}
+/* From the signal to the time limit: what it takes to save a state on a slow disk. */
+#define LEAST_SAVE_SECONDS 120
+#define SAVE_SECONDS_PER_GB 15.0
+/* sbatch waits for 120 s before it gives up; a cancel waits for longer. */
+#define MOST_WAIT_TENTHS 1500
+#define MARK "log/cancelled"
 
 /* ------------------------------------------------------------------------------------ limits -- */
 
@@ -74,20 +46,22 @@ static int limit_of(const char *text, const char *key, int otherwise)
 /* How a submission is divided: steps per job of the queue, and indices per array. */
 typedef struct limits {
     int stride, array;
-    int finish_stride;
+    int n_arrays;      /* with a wanted task */
+    int finish_stride; /* wanted ones */
 } limits;
 
 /* The jobs that the cluster holds of all users, finished ones too, as MaxJobCount counts them. */
-static lf_status count_jobs(int *out, lf_error *err)
+static lf_status count_jobs(char *const *given, int *out, lf_error *err)
 {
     lf_farm_words words = {0};
     char *text = NULL;
     lf_farm_words_add(&words, "squeue");
+    lf_farm_slurm_cluster(given, &words);
     lf_farm_words_add(&words, "--noheader");
     lf_farm_words_add(&words, "--array");
     lf_farm_words_add(&words, "--states=all");
     lf_farm_words_add(&words, "--format=%%t");
-    const lf_status status = call(&words, &text, err);
+    const lf_status status = lf_farm_slurm_call(&words, &text, err);
     lf_farm_words_finish(&words);
     *out = 0;
     for (const char *c = text; c && *c; c++)
@@ -101,33 +75,81 @@ static int quotient_up(int n, int of)
     return (n + of - 1) / of;
 }
 
+static bool is_wanted(const lf_farm_job *job, const bool *wanted, int first, int stride)
+{
+    for (int i = first; i < first + stride && i < job->n_tasks; i++)
+        if (wanted[i])
+            return true;
+    return false;
+}
+
+/* How many ranges of so many tasks have a wanted one. */
+static int count_ranges(const lf_farm_job *job, const bool *wanted, int range)
+{
+    int n = 0;
+    for (int i = 0; i < job->n_tasks; i += range)
+        n += is_wanted(job, wanted, i, range);
+    return n;
+}
+
+static int count_wanted(const bool *wanted, int n)
+{
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        count += wanted[i];
+    return count;
+}
+
+/* Arrays of even length with this stride. Sets out->array, from most, and out->n_arrays. */
+static void divide(const lf_farm_job *job, const bool *wanted, int stride, int most, limits *out)
+{
+    const int n = quotient_up(job->n_tasks, stride);
+    out->stride = stride;
+    out->array = quotient_up(n, quotient_up(n, most));
+    out->n_arrays = count_ranges(job, wanted, out->array * stride);
+}
+
 /* A cluster that is nearly full gets more tasks in each job: sbatch would wait for minutes, and
- * then fail. */
-static lf_status ask_limits(const lf_farm_job *job, limits *out, lf_error *err)
+ * then fail. Each array may run at least one task at once, so slots limit the arrays, too. */
+static void choose(const lf_farm_job *job, const lf_farm_batch *batch, int room, int most_array,
+                   limits *out)
+{
+    const int n_tasks = count_wanted(batch->wanted, job->n_tasks),
+              n_wanted = count_wanted(batch->wanted + job->n_tasks, job->n_finishes),
+              most = room / 4 < MOST_FINISH_JOBS ? room / 4 : MOST_FINISH_JOBS,
+              n_finish = n_wanted < most ? n_wanted : most, n_elements = room - n_finish;
+    out->finish_stride = n_finish > 0 ? quotient_up(n_wanted, n_finish) : 1;
+    int stride = n_tasks > n_elements ? quotient_up(n_tasks, n_elements) : 1;
+    divide(job, batch->wanted, stride, most_array, out);
+    while (count_ranges(job, batch->wanted, stride) > n_elements ||
+           (batch->slots > 0 && out->n_arrays > batch->slots)) {
+        stride += 1 + stride / 8;
+        divide(job, batch->wanted, stride, most_array, out);
+    }
+}
+
+static lf_status ask_limits(const lf_farm_job *job, const lf_farm_batch *batch, limits *out,
+                            lf_error *err)
 {
     lf_farm_words words = {0};
     char *text = NULL;
     int used = 0;
     lf_farm_words_add(&words, "scontrol");
+    lf_farm_slurm_cluster(batch->words, &words);
     lf_farm_words_add(&words, "show");
     lf_farm_words_add(&words, "config");
-    lf_status status = call(&words, &text, err);
+    lf_status status = lf_farm_slurm_call(&words, &text, err);
     lf_farm_words_finish(&words);
     if (status == LF_OK)
-        status = count_jobs(&used, err);
+        status = count_jobs(batch->words, &used, err);
     if (status == LF_OK) {
         const int room = limit_of(text, "MaxJobCount", USUAL_JOBS) - used - SPARE_JOBS;
-        const int most = room / 4 < MOST_FINISH_JOBS ? room / 4 : MOST_FINISH_JOBS;
-        const int n_finish = job->n_finishes < most ? job->n_finishes : most;
-        out->array = limit_of(text, "MaxArraySize", USUAL_ARRAY);
         if (room < 4)
             status =
                 lf_error_set(err, LF_E_BUSY, job->path,
                              "Slurm holds %d jobs, and takes no more now; try again later", used);
-        else {
-            out->finish_stride = n_finish > 0 ? quotient_up(job->n_finishes, n_finish) : 1;
-            out->stride = quotient_up(job->n_tasks, room - n_finish);
-        }
+        else
+            choose(job, batch, room, limit_of(text, "MaxArraySize", USUAL_ARRAY), out);
     }
     lf_free(text);
     return status;
@@ -139,10 +161,10 @@ static const char script[] =
     "#!/bin/sh\n"
     "#SBATCH --requeue\n"
     "#SBATCH --open-mode=append\n"
-    "#SBATCH --signal=B:TERM@120\n"
     "# task.sbatch task|finish FIRST STRIDE JOB QUILTFARM: written and sent by quiltfarm submit.\n"
     "# Index I of the array runs the steps FIRST + I * STRIDE and the next STRIDE - 1 ones.\n"
     "first=$(($2 + ${SLURM_ARRAY_TASK_ID:-0} * $3))\n"
+    "[ ! -e \"$4/" MARK "\" ] || exit 75\n"
     "\"$5\" \"$1\" \"$4\" \"$first:$((first + $3 - 1))\" &\n"
     "child=$!\n"
     "trap 'kill -TERM \"$child\" 2> /dev/null' TERM\n"
@@ -152,11 +174,18 @@ static const char script[] =
     "    kill -0 \"$child\" 2> /dev/null || break\n"
     "done\n"
     "trap - TERM\n"
-    "# 75: interrupted with its state saved. The last task of an array has the array's own number\n"
-    "# as its job id, so the id is put together.\n"
-    "if [ \"$code\" -eq 75 ]; then\n"
+    "# 75: interrupted with its state saved. It returns to the queue, unless somebody cancelled "
+    "it.\n"
+    "# The last task of an array has the array's own number as its job id, so the id is put "
+    "together.\n"
+    "if [ \"$code\" -eq 75 ] && [ ! -e \"$4/" MARK "\" ]; then\n"
     "    id=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}\n"
-    "    scontrol requeue \"${id:-$SLURM_JOB_ID}\" && sleep 60\n"
+    "    id=${id:-$SLURM_JOB_ID}\n"
+    "    case $(squeue --noheader --states=all --jobs=\"$id\" --format='%T %r') in\n"
+    "    'COMPLETING TimeLimit') ;;\n"
+    "    COMPLETING* | CANCELLED*) exit 75 ;; # by scancel\n"
+    "    esac\n"
+    "    scontrol requeue \"$id\" && sleep 60\n"
     "fi\n"
     "exit \"$code\"\n";
 
@@ -171,18 +200,35 @@ static lf_status write_script(const lf_farm_job *job, lf_error *err)
 
 /* ------------------------------------------------------------------------------------ sbatch -- */
 
-/* The largest demands of a range of steps. */
-static void ask_for(const lf_farm_job *job, int first, int last, int stride, lf_farm_words *words)
+/* The seconds before the time limit at which tasks are told to save. */
+static int save_seconds(const lf_farm_job *job)
 {
-    double memory = LEAST_MEMORY, cpu = 0;
-    for (int i = first; i <= last; i++) {
-        memory = job->steps[i].memory > memory ? job->steps[i].memory : memory;
-        cpu = job->steps[i].cpu_seconds > cpu ? job->steps[i].cpu_seconds : cpu;
+    const double bytes = json_number_value(json_object_get(job->plan, "state_bytes")),
+                 seconds = LEAST_SAVE_SECONDS + SAVE_SECONDS_PER_GB * bytes / 1e9;
+    return seconds < 3600 ? (int)seconds : 3600;
+}
+
+/* The largest demands of jobs that run so many steps each, of a range. */
+static void ask_for(const lf_farm_job *job, const lf_farm_batch *batch, const int range[2],
+                    int stride, lf_farm_words *words)
+{
+    double memory = LEAST_MEMORY, most = 0, cpu = 0;
+    for (int i = range[0]; i <= range[1]; i++) {
+        const lf_farm_step *s = &job->steps[i];
+        cpu = (i - range[0]) % stride == 0 ? 0 : cpu;
+        if (!batch->wanted[i])
+            continue;
+        cpu += s->cpu_seconds;
+        most = cpu > most ? cpu : most;
+        memory = s->memory > memory ? s->memory : memory;
     }
-    const double minutes = LEAST_MINUTES + MORE_TIME * stride * cpu / (60.0 * job->threads);
+    const int save = save_seconds(job);
+    const double minutes = LEAST_MINUTES + MORE_TIME * most / (60.0 * job->threads) +
+                           (save - LEAST_SAVE_SECONDS) / 60.0;
+    lf_farm_words_add(words, "--signal=B:TERM@%d", save);
     lf_farm_words_add(words, "--cpus-per-task=%d", job->threads);
     lf_farm_words_add(words, "--mem=%.0fM", MORE_MEMORY * memory / 1048576 + 1);
-    if (cpu > 0)
+    if (most > 0)
         lf_farm_words_add(words, "--time=%.0f", minutes);
 }
 
@@ -202,12 +248,24 @@ static lf_status add_script(const lf_farm_job *job, bool is_task, int first, int
     return LF_OK;
 }
 
-/* Calls sbatch; *out_id: the job's number. Notes what index I of it runs. */
-static lf_status call_sbatch(lf_farm_words *words, int first, int stride, json_t *sent,
-                             uint64_t *out_id, lf_error *err)
+/* LF_E_CANCELLED: quiltfarm cancel was called meanwhile. */
+static lf_status check_mark(const lf_farm_job *job, lf_error *err)
+{
+    char *path = lf_farm_job_path(job, MARK);
+    const bool is_marked = path && access(path, F_OK) == 0;
+    lf_free(path);
+    return is_marked ? lf_error_set(err, LF_E_CANCELLED, job->path, "was cancelled") : LF_OK;
+}
+
+/* Calls sbatch; *out_id: the job's number. Records what index I of it runs, at once: it runs even
+ * if the next call fails, or this program ends. */
+static lf_status call_sbatch(const lf_farm_job *job, lf_farm_words *words, int first, int stride,
+                             json_t *sent, uint64_t *out_id, lf_error *err)
 {
     char *text = NULL;
-    lf_status status = call(words, &text, err);
+    lf_status status = check_mark(job, err);
+    if (status == LF_OK)
+        status = lf_farm_slurm_call(words, &text, err);
     if (status != LF_OK)
         return status;
     if (!lf_whole_read(text, out_id)) /* "12" or "12;CLUSTER" */
@@ -216,6 +274,8 @@ static lf_status call_sbatch(lf_farm_words *words, int first, int stride, json_t
                                    json_pack("{s:I, s:i, s:i}", "id", (json_int_t)*out_id, "first",
                                              first, "stride", stride)) != 0)
         status = lf_farm_no_memory("sbatch", err);
+    else
+        status = lf_farm_job_write(job, "sent.json", sent, err);
     lf_free(text);
     return status;
 }
@@ -223,7 +283,7 @@ static lf_status call_sbatch(lf_farm_words *words, int first, int stride, json_t
 static void add_common(const lf_farm_job *job, const char *log, lf_farm_words *words)
 {
     char name[96];
-    queue_name(job, name, sizeof name);
+    lf_farm_slurm_name(job, name, sizeof name);
     lf_farm_words_add(words, "sbatch");
     lf_farm_words_add(words, "--parsable");
     lf_farm_words_add(words, "--job-name=%s", name);
@@ -232,14 +292,6 @@ static void add_common(const lf_farm_job *job, const char *log, lf_farm_words *w
 }
 
 /* ------------------------------------------------------------------------------------- tasks -- */
-
-static bool is_wanted(const lf_farm_job *job, const bool *wanted, int first, int stride)
-{
-    for (int i = first; i < first + stride && i < job->n_tasks; i++)
-        if (wanted[i])
-            return true;
-    return false;
-}
 
 /* The wanted indices below n, "0-5,8,10-20"; caller frees (free). NULL: none, or out of memory. */
 static char *index_list(const lf_farm_job *job, const bool *wanted, int first, int stride, int n)
@@ -271,31 +323,34 @@ typedef struct arrays {
     limits limits;
     uint64_t *ids;      /* per array; 0: it has no wanted task */
     uint64_t *finishes; /* per finish; 0: not sent */
-    int n;
+    int n, n_sent;
 } arrays;
 
-static lf_status send_array(const lf_farm_job *job, const lf_farm_batch *batch, const arrays *a,
+static lf_status send_array(const lf_farm_job *job, const lf_farm_batch *batch, arrays *a,
                             int number, json_t *sent, lf_error *err)
 {
     const int first = number * a->limits.array * a->limits.stride;
     const int left = quotient_up(job->n_tasks - first, a->limits.stride);
     const int n = left < a->limits.array ? left : a->limits.array;
-    const int last = first + n * a->limits.stride - 1;
+    const int last = first + n * a->limits.stride - 1, n_arrays = a->limits.n_arrays;
+    const int range[2] = {first, last < job->n_tasks ? last : job->n_tasks - 1};
     lf_farm_words words = {0};
     char *list = index_list(job, batch->wanted, first, a->limits.stride, n);
     if (!list)
         return LF_OK;
     add_common(job, "slurm_%A_%a.log", &words);
     if (batch->slots > 0) /* the arrays share the slots */
-        lf_farm_words_add(&words, "--array=%s%%%d", list, quotient_up(batch->slots, a->n));
+        lf_farm_words_add(&words, "--array=%s%%%d", list,
+                          batch->slots / n_arrays + (a->n_sent < batch->slots % n_arrays));
     else
         lf_farm_words_add(&words, "--array=%s", list);
     free(list);
-    ask_for(job, first, last < job->n_tasks ? last : job->n_tasks - 1, a->limits.stride, &words);
+    a->n_sent++;
+    ask_for(job, batch, range, a->limits.stride, &words);
     lf_farm_words_add_list(&words, batch->words);
     lf_status status = add_script(job, true, first, a->limits.stride, &words, err);
     if (status == LF_OK)
-        status = call_sbatch(&words, first, a->limits.stride, sent, &a->ids[number], err);
+        status = call_sbatch(job, &words, first, a->limits.stride, sent, &a->ids[number], err);
     lf_farm_words_finish(&words);
     return status;
 }
@@ -303,7 +358,7 @@ static lf_status send_array(const lf_farm_job *job, const lf_farm_batch *batch, 
 static lf_status send_arrays(const lf_farm_job *job, const lf_farm_batch *batch, json_t *sent,
                              arrays *out, lf_error *err)
 {
-    lf_status status = ask_limits(job, &out->limits, err);
+    lf_status status = ask_limits(job, batch, &out->limits, err);
     if (status != LF_OK)
         return status;
     const int covered = out->limits.array * out->limits.stride;
@@ -385,14 +440,36 @@ static lf_status send_finishes(const lf_farm_job *job, const lf_farm_batch *batc
         return LF_OK;
     add_common(job, "slurm_%j.log", &words);
     add_dependency(job, batch, a, first, tasks, &words);
-    ask_for(job, first, last, last - first + 1, &words);
+    ask_for(job, batch, (int[]){first, last}, last - first + 1, &words);
     lf_farm_words_add_list(&words, batch->words);
     lf_status status = add_script(job, false, first - job->n_tasks, last - first + 1, &words, err);
     if (status == LF_OK)
-        status = call_sbatch(&words, first, last - first + 1, sent, &id, err);
+        status = call_sbatch(job, &words, first, last - first + 1, sent, &id, err);
     for (int i = first; i <= last; i++)
         a->finishes[i - job->n_tasks] = id;
     lf_farm_words_finish(&words);
+    return status;
+}
+
+/* The end of the finishes from first that one job makes: so many wanted ones. */
+static int end_of_finishes(const lf_farm_job *job, const lf_farm_batch *batch, int first, int most)
+{
+    int next = first + 1, n = batch->wanted[first];
+    for (; next < job->n_tasks + job->n_finishes && !job->steps[next].closes; next++) {
+        n += batch->wanted[next];
+        if (n > most)
+            break;
+    }
+    return next;
+}
+
+static lf_status remove_mark(const lf_farm_job *job, lf_error *err)
+{
+    char *path = lf_farm_job_path(job, MARK);
+    lf_status status = path ? LF_OK : lf_farm_no_memory(job->path, err);
+    if (path && unlink(path) != 0 && access(path, F_OK) == 0)
+        status = lf_error_set(err, LF_E_IO, path, "cannot be removed");
+    lf_free(path);
     return status;
 }
 
@@ -402,18 +479,20 @@ static lf_status send_slurm(lf_farm_job *job, const lf_farm_batch *batch, json_t
     const int end = job->n_tasks + job->n_finishes;
     arrays a = {0};
     char name[96];
-    lf_status status = write_script(job, err);
+    lf_status status = lf_farm_slurm_check_words(batch->words, err);
+    if (status == LF_OK)
+        status = remove_mark(job, err);
+    if (status == LF_OK)
+        status = write_script(job, err);
     if (status == LF_OK)
         status = send_arrays(job, batch, sent, &a, err);
     for (int i = job->n_tasks, next; i < end && status == LF_OK; i = next) {
-        next = i + 1;
-        while (next < end && next < i + a.limits.finish_stride && !job->steps[next].closes)
-            next++;
+        next = end_of_finishes(job, batch, i, a.limits.finish_stride);
         status = send_finishes(job, batch, &a, i, next - 1, sent, err);
     }
     lf_free(a.finishes);
     lf_free(a.ids);
-    queue_name(job, name, sizeof name);
+    lf_farm_slurm_name(job, name, sizeof name);
     if (status == LF_OK)
         lf_log(LF_LOG_INFO, "%s: sent to Slurm as %s; see quiltfarm status", job->path, name);
     return status;
@@ -463,9 +542,10 @@ static bool is_of_nodes(const char *reason)
 static void take_line(const lf_farm_job *job, const json_t *sent, char *line, lf_farm_queue *out)
 {
     uint64_t id = 0, index = 0;
-    const bool is_known = lf_whole_is(next_word(&line), &id);
+    if (!lf_whole_is(next_word(&line), &id))
+        return; /* "CLUSTER: name" */
     const char *at = next_word(&line), *state = next_word(&line), *reason = line;
-    const json_t *record = is_known ? record_of(sent, id) : NULL;
+    const json_t *record = record_of(sent, id);
     const bool runs = strcmp(state, "PENDING") != 0;
     if (!lf_whole_is(at, &index) || index > 1000000)
         index = 0;
@@ -491,13 +571,15 @@ static lf_status look_slurm(const lf_farm_job *job, const json_t *sent, lf_farm_
     char name[96];
     char *text = NULL;
     lf_farm_words words = {0};
-    queue_name(job, name, sizeof name);
+    lf_farm_slurm_name(job, name, sizeof name);
     lf_farm_words_add(&words, "squeue");
     lf_farm_words_add(&words, "--noheader");
     lf_farm_words_add(&words, "--array");
+    lf_farm_slurm_sent_cluster(sent, &words);
     lf_farm_words_add(&words, "--name=%s", name);
+    lf_farm_words_add(&words, "--user=%ld,%ld", (long)lf_farm_slurm_owner(sent), (long)getuid());
     lf_farm_words_add(&words, "--format=%%F %%K %%T %%r");
-    const lf_status status = call(&words, &text, err);
+    const lf_status status = lf_farm_slurm_call(&words, &text, err);
     lf_farm_words_finish(&words);
     for (char *line = text, *end; line && *line; line = end) {
         end = line + strcspn(line, "\n");
@@ -509,18 +591,47 @@ static lf_status look_slurm(const lf_farm_job *job, const json_t *sent, lf_farm_
     return status;
 }
 
-static lf_status cancel_slurm(const lf_farm_job *job, const json_t *sent, lf_error *err)
+/* ------------------------------------------------------------------------------------ cancel -- */
+
+static lf_status end_all(const lf_farm_job *job, const json_t *sent, lf_error *err)
 {
     char name[96];
-    char *text = NULL;
+    char *text = NULL, *mark = lf_farm_job_path(job, MARK);
     lf_farm_words words = {0};
-    (void)sent;
-    queue_name(job, name, sizeof name);
+    lf_status status = mark ? lf_outfile_text(mark, "by quiltfarm cancel\n", err)
+                            : lf_farm_no_memory(job->path, err);
+    lf_farm_slurm_name(job, name, sizeof name);
     lf_farm_words_add(&words, "scancel");
+    lf_farm_slurm_sent_cluster(sent, &words);
     lf_farm_words_add(&words, "--name=%s", name);
-    const lf_status status = call(&words, &text, err);
+    lf_farm_words_add(&words, "--user=%ld", (long)lf_farm_slurm_owner(sent));
+    if (status == LF_OK)
+        status = lf_farm_slurm_call(&words, &text, err);
     lf_farm_words_finish(&words);
     lf_free(text);
+    lf_free(mark);
+    return status;
+}
+
+/* A submission may be on its way: it ends at the mark, and what it sent meanwhile is ended then. A
+ * task that begins or is interrupted later finds the mark. */
+static lf_status cancel_slurm(const lf_farm_job *job, const json_t *sent, lf_error *err)
+{
+    if (lf_farm_slurm_owner(sent) != getuid() && getuid() != 0)
+        return lf_error_set(err, LF_E_STATE, job->path,
+                            "was submitted by user %ld, who has to cancel it",
+                            (long)lf_farm_slurm_owner(sent));
+    lf_status status = end_all(job, sent, err);
+    int n = 0;
+    while (status == LF_OK && n < MOST_WAIT_TENTHS && lf_farm_job_is_locked(job)) {
+        nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+        n++;
+    }
+    if (n > 0 && status == LF_OK)
+        status = end_all(job, sent, err);
+    if (status == LF_OK)
+        lf_log(LF_LOG_INFO, "%s: cancelled; running tasks save first, see quiltfarm status",
+               job->path);
     return status;
 }
 

@@ -96,9 +96,9 @@ static json_t *new_record(const lf_farm_command *c, const json_t *before)
     if (slots == 0)
         slots = (int)json_integer_value(json_object_get(before, "slots"));
     (void)gethostname(host, sizeof host - 1);
-    return json_pack("{s:i, s:o, s:s, s:I, s:[]}", "slots", slots, "words",
+    return json_pack("{s:i, s:o, s:s, s:I, s:I, s:[]}", "slots", slots, "words",
                      words_json(c->words, json_object_get(before, "words")), "host", host, "pid",
-                     (json_int_t)getpid(), "jobs");
+                     (json_int_t)getpid(), "uid", (json_int_t)getuid(), "jobs");
 }
 
 static lf_status send_selection(lf_farm_job *job, const selection *s, json_t *record, lf_error *err)
@@ -113,10 +113,6 @@ static lf_status send_selection(lf_farm_job *job, const selection *s, json_t *re
                                     : lf_farm_job_write(job, SENT, record, err);
     if (status == LF_OK)
         status = job->engine->send(job, &batch, record, err);
-    /* what was sent before a failure runs, and must be known */
-    if (lf_farm_job_write(job, SENT, record, status == LF_OK ? err : NULL) != LF_OK &&
-        status == LF_OK)
-        status = LF_E_IO;
     lf_farm_words_finish(&words);
     return status;
 }
