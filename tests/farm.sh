@@ -273,7 +273,7 @@ never_on_slurm() {
     report "it is not sent a fourth time" "$(has_words submit.log '1 step failed 3 times'; is_empty || squeue)"
     mv away s_0002.vdb
     bin/quiltfarm resume frames.job 2> submit.log || cat submit.log
-    bin/quiltfarm cancel frames.job
+    bin/quiltfarm cancel frames.job 2> cancel.log || cat cancel.log
     wait_for "the queue is empty" is_empty
     report "a cancelled job leaves the queue" "$(case $(state frames.job) in interrupted | complete) ;; *) bin/quiltfarm status frames.job ;; esac)"
 }

@@ -95,7 +95,7 @@ daemon/show: daemon/threads daemon/engine/mailbox.h
 daemon/parts: daemon/media/movie.h daemon/output/content.h daemon/output/render_words.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/farm: daemon/output/options.h
-daemon/tools: daemon/media/movie.h daemon/output daemon/farm/farm.h daemon/wire daemon/server daemon/parts/doctor.h
+daemon/tools: daemon/media/movie.h daemon/output daemon/farm/farm.h daemon/farm/farm_process.h daemon/wire daemon/server daemon/parts/doctor.h
 daemon/web: daemon/output/options.h daemon/wire
 base:
 base/sandbox: base

@@ -28,8 +28,8 @@ struct lf_farm_engine {
     /* Sends all wanted steps: tasks, and finishes that begin when the tasks that they need are
      * complete. Adds what `look` and `cancel` need to `sent`, which the caller has written before
      * to sent.json, and writes it again there. An engine may run everything before it returns.
-     * LF_E_CANCELLED: it was told to end; what was rendered is saved. LF_E_ARG: unusable words. LF_E_IO: its program failed;
-     * what was sent may run. */
+     * LF_E_CANCELLED: it was told to end; what was rendered is saved. LF_E_ARG: unusable words.
+     * LF_E_IO: its program failed; what was sent may run. */
     lf_status (*send)(lf_farm_job *job, const lf_farm_batch *batch, json_t *sent, lf_error *err);
     /* Fills *out, whose places are zeroed. sent: as `send` left it. LF_E_IO. */
     lf_status (*look)(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
