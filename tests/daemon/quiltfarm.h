@@ -15,11 +15,13 @@ static struct {
 } got;
 
 /* Runs shell words in the folder. */
-static inline int run(const char *folder, const char *words)
+static int run(const char *folder, const char *words)
 {
     const char *said = lf_test_path(folder, "said");
     char command[8192];
-    snprintf(command, sizeof command, "cd '%s' && { %s\n} > said 2>&1", folder, words);
+    const int n =
+        snprintf(command, sizeof command, "cd '%s' && { %s\n} > said 2>&1", folder, words);
+    assert_true(n < (int)sizeof command);
     const int status = system(command); /* NOLINT: words of this file */
     assert_true(WIFEXITED(status));
     FILE *file = fopen(said, "r");
@@ -31,7 +33,7 @@ static inline int run(const char *folder, const char *words)
 }
 
 /* Runs shell words, which must end with this code and say these words. */
-static inline void says(const char *folder, const char *line, int code, const char *words)
+static void says(const char *folder, const char *line, int code, const char *words)
 {
     if (run(folder, line) != code || !strstr(got.text, words))
         fail_msg("%s: exit status %d, \"%s\"; expected %d, \"%s\"", line, got.code, got.text, code,
@@ -39,7 +41,7 @@ static inline void says(const char *folder, const char *line, int code, const ch
 }
 
 /* A folder with the scene of tests/farm, and bin/ with quiltfarm and the renderer. */
-static inline int set_up(void **state)
+static int set_up(void **state)
 {
     char *folder = lf_test_folder(), words[4096];
     assert_int_equal(mkdir(lf_test_path(folder, "bin"), 0755), 0);
@@ -54,13 +56,13 @@ static inline int set_up(void **state)
 #define in_folder(test) cmocka_unit_test_setup_teardown(test, set_up, lf_test_folder_teardown)
 #define PLAN "bin/quiltfarm plan job --engine list -- scene.json -o out"
 
-static inline void plan(const char *folder)
+static void plan(const char *folder)
 {
     says(folder, PLAN, 0, "5 tasks and 3 finishes, for list");
 }
 
 /* A part of what status --json answers; a new reference. */
-static inline json_t *status_of(const char *folder, const char *key)
+static json_t *status_of(const char *folder, const char *key)
 {
     assert_int_equal(run(folder, "bin/quiltfarm status job --json 2> /dev/null"), 0);
     json_t *status = json_loads(got.text, 0, NULL);
@@ -71,14 +73,14 @@ static inline json_t *status_of(const char *folder, const char *key)
     return value;
 }
 
-static inline void assert_state(const char *folder, const char *expected)
+static void assert_state(const char *folder, const char *expected)
 {
     json_t *state = status_of(folder, "state");
     assert_string_equal(json_string_value(state), expected);
     json_decref(state);
 }
 
-static inline void assert_tasks(const char *folder, const char *key, int expected)
+static void assert_tasks(const char *folder, const char *key, int expected)
 {
     json_t *tasks = status_of(folder, "tasks");
     assert_int_equal(json_integer_value(json_object_get(tasks, key)), expected);
@@ -86,7 +88,7 @@ static inline void assert_tasks(const char *folder, const char *key, int expecte
 }
 
 /* The words of the first failed step. */
-static inline void assert_failed(const char *folder, const char *expected)
+static void assert_failed(const char *folder, const char *expected)
 {
     json_t *failed = status_of(folder, "failed");
     const char *words = json_string_value(json_object_get(json_array_get(failed, 0), "words"));
@@ -95,7 +97,7 @@ static inline void assert_failed(const char *folder, const char *expected)
     json_decref(failed);
 }
 
-static inline bool is_there(const char *folder, const char *name)
+static bool is_there(const char *folder, const char *name)
 {
     return access(lf_test_path(folder, name), F_OK) == 0;
 }
