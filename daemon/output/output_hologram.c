@@ -9,7 +9,7 @@
 #include "base/version.h"
 #include "daemon/output/output_internal.h"
 
-/* Shifts from direction to direction, in cells: docs/reference/formats/holograms.md. */
+/* Shifts from direction to direction, in cells: docs/reference/holograms.md. */
 #define SOFT_SHIFT 4.0
 #define GHOST_SHIFT 8.0
 /* Allowed difference between the shapes of a plate and of its grid of cells. */
