@@ -287,7 +287,7 @@ cancelled_on_slurm() {
     local by name
     for by in scancel quiltfarm; do
         fake/quiltfarm submit cancel.job 2> cancel.log || cat cancel.log
-        wait_for "three tasks run" three_run $([ $by = scancel ] && echo 3 || echo 6)
+        wait_for "three tasks run" three_run "$([ "$by" = scancel ] && echo 3 || echo 6)"
         name=$(squeue -h -o %j | grep -m 1 ^cancel_job-)
         if [ $by = scancel ]; then scancel --name="$name"; else fake/quiltfarm cancel cancel.job 2> cancel.log || cat cancel.log; fi
         wait_for "tasks that $by cancelled end" is_empty
