@@ -42,3 +42,11 @@ const char *lf_nearest_name(const char *word, const char *const names[])
     }
     return nearest;
 }
+
+lf_status lf_nearest_refuse(const char *word, const char *what, const char *const names[],
+                            lf_error *err)
+{
+    const char *meant = lf_nearest_name(word, names);
+    return meant ? lf_error_set(err, LF_E_ARG, word, "unknown %s; did you mean %s?", what, meant)
+                 : lf_error_set(err, LF_E_ARG, word, "unknown %s; see --help", what);
+}

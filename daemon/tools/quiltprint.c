@@ -111,12 +111,10 @@ static bool follower_at(int operand, int index, char *word, size_t size)
 
 static lf_status unknown_command(const char *word, lf_error *err)
 {
-    const char *names[N_COMMANDS + 1] = {NULL}, *meant;
+    const char *names[N_COMMANDS + 1] = {NULL};
     for (int i = 0; i < N_COMMANDS; i++)
         names[i] = commands[i].name;
-    meant = lf_nearest_name(word, names);
-    return meant ? lf_error_set(err, LF_E_ARG, word, "unknown command; did you mean %s?", meant)
-                 : lf_error_set(err, LF_E_ARG, word, "unknown command; see --help");
+    return lf_nearest_refuse(word, "command", names, err);
 }
 
 static lf_status read_arguments(int argc, char *const argv[], lf_profiles_command *command,

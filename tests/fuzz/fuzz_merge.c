@@ -4,34 +4,12 @@
 #include "tests/fuzz/fuzz.h"
 
 #include <string.h>
-#include <zlib.h>
 
 #include "render/film/film_file.h"
 #include "render/film/film_merge.h"
+#include "tests/fuzz/film_checksums.h"
 
-enum { START_BYTES = 12, HEAD_BYTES = 16, MAX_BYTES = 1 << 16, FILMS = 2 };
-
-/* As fuzz_film.c. */
-static void mend_checksums(uint8_t *p, size_t size)
-{
-    uint64_t n = 0;
-    uLong heads = 0;
-    for (size_t at = START_BYTES; size >= HEAD_BYTES && at <= size - HEAD_BYTES;
-         at += HEAD_BYTES + n) {
-        uint8_t *head = p + at;
-        memcpy(&n, head + 8, sizeof n);
-        if (n > size - HEAD_BYTES - at)
-            return;
-        const uint32_t of_all = (uint32_t)heads;
-        if (memcmp(head, "END ", 4) == 0 && n == sizeof of_all)
-            memcpy(head + HEAD_BYTES, &of_all, sizeof of_all);
-        uLong crc = crc32_z(0, head, 4);
-        crc = crc32_z(crc, head + 8, 8 + n);
-        const uint32_t fit = (uint32_t)crc;
-        memcpy(head + 4, &fit, sizeof fit);
-        heads = crc32_z(heads, head, HEAD_BYTES);
-    }
-}
+enum { MAX_BYTES = 1 << 16, FILMS = 2 };
 
 /* Merges files into a new one in memory; -1: refused. */
 static int merge(const int fds[FILMS], const int order[FILMS], lf_merging_total *out)
