@@ -164,7 +164,7 @@ by_parallel() {
     report "GNU parallel makes the bytes of a single run" "$(expect_state parallel.job complete; same parallel; no_states parallel.job)"
 }
 
-# The hosts are this one; ssh is a shell.
+# The hosts are this one; ssh is a shell. As sshd does, it sets SHELL, by which GNU parallel starts a command.
 by_ssh() {
     cat > ssh << 'END'
 #!/bin/sh
@@ -174,7 +174,7 @@ while [ "${1#-}" != "$1" ]; do
 done
 shift
 [ "$1" != -- ] || shift
-exec sh -c "$*"
+SHELL=/bin/sh exec sh -c "$*"
 END
     chmod +x ssh
     fake/quiltfarm plan ssh.job --engine parallel --threads 1 -- bands.json -o ssh-bands > /dev/null
