@@ -63,7 +63,22 @@ typedef struct lf_visit_order {
 typedef struct lf_pass {
     const lf_visit_order *order;
     int first_row, row_step, n_rows;
+    int half; /* -1: of each row the one with fewer visits, half 0 on a tie */
+    /* rows beyond it have had this visit and are not visited, unless order->at; NULL: none has */
+    const lf_asked *at;
 } lf_pass;
+
+/* The half of a row's visit in a pass; given: the row's counts of the pass's stream. */
+static inline int lf_pass_half(const lf_pass *pass, const lf_film_counts *given)
+{
+    return pass->half >= 0 ? pass->half : given->visits[0] > given->visits[1];
+}
+/* Whether the row has had the visit of this pass. */
+static inline bool lf_pass_has_had(const lf_pass *pass, const lf_film_counts *given)
+{
+    const int half = lf_pass_half(pass, given);
+    return pass->at && !pass->order->at && given->visits[half] > pass->at->visits[half];
+}
 
 typedef struct lf_integrator {
     /* The optimisations (lf_skip) that this integrator has. */
@@ -74,8 +89,9 @@ typedef struct lf_integrator {
      * LF_E_NOMEM and leaves err unset; other errors set err. */
     lf_status (*create)(const lf_integrator_input *input, int index, void **out_state,
                         lf_integrator_needs *out_needs, lf_error *err);
-    /* Before a pass, on its caller's thread; may use the pool. */
-    void (*begin)(void *state, const lf_pass *pass);
+    /* Before a pass, on its caller's thread; may use the pool. LF_E_NOMEM, LF_E_CANCELLED: the pass
+     * does not take place. */
+    lf_status (*begin)(void *state, const lf_pass *pass, const lf_cancel *cancel);
     /* Adds a visit of a row to one half of the film, on a worker of the pool. false: cancelled, and
      * the film is as before, except that some holes may be filled if the visit filled holes. */
     bool (*visit)(void *state, const lf_visit_order *order, int row, int half, int worker,

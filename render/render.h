@@ -215,7 +215,12 @@ typedef struct lf_render_settings {
     unsigned skip;      /* bits of lf_skip: the optimisations to use */
     bool features;      /* the film keeps the data for reconstruction: 16 bytes per view pixel */
     lf_choices choices; /* LF_E_ARG if the integrator does not take one that was given */
+    /* Light paths for each pass over all rows, in scenes and with integrators that take them;
+     * LF_LIGHT_PATHS_AUTO: a number that suits the scene; 0: none
+     * (docs/developer/estimators/light-paths.md) */
+    int light_paths;
 } lf_render_settings;
+enum { LF_LIGHT_PATHS_AUTO = -1, LF_LIGHT_PATHS_MOST = 1 << 24 };
 
 /* ----------------------------------------------------------------------------------- framing -- */
 

@@ -187,9 +187,10 @@ lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene,
 typedef struct lf_pass_job {
     lf_renderer *renderer;
     lf_visit_order order;
-    lf_part part;       /* with explicit values instead of zeros */
-    int half;           /* -1 = the one with fewer visits, half 0 on a tie */
-    const lf_asked *at; /* rows beyond it have had this visit; NULL: none has */
+    lf_part part; /* with explicit values instead of zeros */
+    lf_pass pass;
+    int half;           /* as in lf_pass */
+    const lf_asked *at; /* as in lf_pass */
     lf_row_fn row_done;
     void *context;
     const lf_cancel *cancel;
@@ -203,10 +204,8 @@ static void run_row(void *context, int item, int worker)
     if (job->order.fans && lf_film_is_known(&r->film.rows[row]))
         return;
     const lf_film_counts *given = &r->film.streams[job->order.stream].rows[row];
-    int half = job->half >= 0 ? job->half : given->visits[0] > given->visits[1];
-    const bool has_had_it =
-        job->at && !job->order.at && given->visits[half] > job->at->visits[half];
-    if ((has_had_it ||
+    const int half = lf_pass_half(&job->pass, given);
+    if ((lf_pass_has_had(&job->pass, given) ||
          r->integrator->visit(r->state, &job->order, row, half, worker, job->cancel)) &&
         job->row_done)
         job->row_done(job->context, row, worker);
@@ -253,13 +252,19 @@ static lf_status run(lf_pass_job *job)
     job->order.sunlight = r->sunlight;
     job->order.random = lf_film_stream_random(&r->film.streams[job->order.stream]);
     job->order.faults = r->faults;
-    const lf_pass pass = {&job->order, part.first_row, part.row_step,
-                          (part.end_row - part.first_row - 1) / part.row_step + 1};
-    r->integrator->begin(r->state, &pass);
-    status = lf_pool_run(r->pool, pass.n_rows, run_row, job, job->cancel);
+    job->pass = (lf_pass){.order = &job->order,
+                          .first_row = part.first_row,
+                          .row_step = part.row_step,
+                          .n_rows = (part.end_row - part.first_row - 1) / part.row_step + 1,
+                          .half = job->half,
+                          .at = job->at};
+    status = r->integrator->begin(r->state, &job->pass, job->cancel);
+    if (status != LF_OK)
+        return status;
+    status = lf_pool_run(r->pool, job->pass.n_rows, run_row, job, job->cancel);
     if (status == LF_OK && r->integrator->end &&
         !(job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed)))
-        status = r->integrator->end(r->state, &pass, job->cancel);
+        status = r->integrator->end(r->state, &job->pass, job->cancel);
     if (job->cancel && atomic_load_explicit(job->cancel, memory_order_relaxed))
         return LF_E_CANCELLED;
     return status;

@@ -36,7 +36,8 @@ $(foreach t,http gateway ws cbor nng,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
-test_faults_render := $(patsubst %,render/rows/%.c,unscattered extinction_chromatic extinction_grey equiangular_visit mvpt prefix_factor visit visit_cut)
+test_faults_render := render/transport/path/path.c $(patsubst %,render/rows/%.c,unscattered extinction_chromatic extinction_grey \
+ equiangular_visit light_connect light_paths mvpt prefix_factor visit visit_cut)
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))

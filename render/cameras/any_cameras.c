@@ -226,9 +226,10 @@ static void close_row(void *context, int item, int worker_index)
                   (double)order->subsets / order->column_step, lf_hash64(lf_hash64(key, 9), index));
 }
 
-static void begin(void *the_state, const lf_pass *pass)
+static lf_status begin(void *the_state, const lf_pass *pass, const lf_cancel *cancel)
 {
     lf_any_cameras *s = the_state;
+    (void)cancel;
     if (s->spilt)
         lf_splats_clear(&s->splats);
     s->spilt = true;
@@ -236,6 +237,7 @@ static void begin(void *the_state, const lf_pass *pass)
         s->in_pass[row] = false;
     for (int i = 0; i < pass->n_rows; i++)
         s->in_pass[pass->first_row + i * pass->row_step] = true;
+    return LF_OK;
 }
 
 static lf_status end(void *the_state, const lf_pass *pass, const lf_cancel *cancel)

@@ -156,12 +156,12 @@ static bool has_samples(const lf_film *film, double n)
 
 /* Makes the map after the pilot; kinds with repeated maps make one whenever samples have doubled.
  * If this fails, only the gain is lost. */
-static void begin(void *the_state, const lf_pass *pass)
+static lf_status begin(void *the_state, const lf_pass *pass, const lf_cancel *cancel)
 {
     lf_general *g = the_state;
-    (void)pass;
+    (void)pass, (void)cancel;
     if (!g->kind->adaptive || !lf_adaptive_ready(g->film) || !has_samples(g->film, g->next_map))
-        return;
+        return LF_OK;
     lf_status status = g->kind->map ? g->kind->map(g->film, &g->counts)
                                     : lf_adaptive_map(g->film, g->pool, &g->counts);
     g->n_maps += status == LF_OK;
@@ -169,6 +169,7 @@ static void begin(void *the_state, const lf_pass *pass)
         g->next_map *= 2.0;
     if (!g->kind->map)
         g->next_map = (double)INFINITY;
+    return LF_OK;
 }
 
 /* -------------------------------------------------------------------------------- make, free -- */

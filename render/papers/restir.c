@@ -288,9 +288,10 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     return LF_OK;
 }
 
-static void begin(void *the_state, const lf_pass *pass)
+static lf_status begin(void *the_state, const lf_pass *pass, const lf_cancel *cancel)
 {
-    (void)the_state, (void)pass;
+    (void)the_state, (void)pass, (void)cancel;
+    return LF_OK;
 }
 
 static void count(const void *the_state, lf_render_stats *out)

@@ -3,6 +3,8 @@
 #include <string.h>
 
 #include "render/rows/extinction.h"
+#include "render/rows/fan_steps.h"
+#include "render/rows/light_paths.h"
 #include "render/rows/native.h"
 #include "render/rows/prefix_factor.h"
 
@@ -10,10 +12,8 @@
  * views. */
 #define LF_GLOSSY_DIRECTIONS 4
 
-/* Sets h_k for the views that have the pivot in their frame and see its side (else 0), their film
- * columns, and the rays from them. Here and below, base is the view that drew the pivot; < 0: none,
- * the point was drawn around a light. */
-static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
+/* Here and below, base is the view that drew the pivot; < 0: none, light has drawn it. */
+void lf_fan_project(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
@@ -143,11 +143,31 @@ static float realised_sum(const lf_visit *visit, int base)
     return sum * (float)visit->rig->n_views / (float)visit->subsets;
 }
 
+/* Computes the light along a direction of a pivot on a surface, if that is pending. over: the
+ * density of the direction under all views, times c_k D_k. */
+static void follow(lf_visit *visit, const lf_pivot *pivot, float over, lf_suffix *suffix)
+{
+    lf_tracer *tracer = &visit->worker->tracer;
+    lf_light_balance balance;
+    const bool shared =
+        lf_light_balance_of(visit, pivot, suffix->wi, lf_fan_unit(visit, pivot) * over, &balance);
+    if (suffix->is_pending)
+        lf_suffix_follow_in_balance(tracer, &pivot->event, visit->max_depth,
+                                    shared ? &balance : NULL, suffix);
+}
+
 /* The lobe does not depend on the view: one radiance for all views. */
-static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
-                           lf_vec3 wo, float sum)
+static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, lf_vec3 wo,
+                           float sum)
 {
     lf_scratch *w = visit->worker;
+    if (suffix->is_pending) {
+        lf_vec3 f;
+        const float pdf = visit->plan->light
+                              ? lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->wi, &f)
+                              : 0.0f;
+        follow(visit, pivot, pdf * sum, suffix);
+    }
     lf_vec3 y = lf_suffix_radiance(visit->scene, &pivot->event, suffix, wo);
     if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
@@ -252,8 +272,7 @@ static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lo
     }
 }
 
-/* The lobes of all views towards wi: their pdfs and f_k; returns sum_k c_k D_k pdf_k. */
-static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
+float lf_fan_eval(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
     lf_scratch *w = visit->worker;
     float sum = 0.0f;
@@ -336,7 +355,7 @@ static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
 {
     const lf_light_sample *light = &suffix->light;
     lf_fan_lobes f;
-    float over = (float)n * lobes(visit, pivot, light->wi, &f);
+    float over = (float)n * lf_fan_eval(visit, pivot, light->wi, &f);
     bool alone = light->delta || lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF);
     float denominator = light->pdf * sum + (alone ? 0.0f : over);
     add_lobes(
@@ -345,14 +364,16 @@ static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
 }
 
 /* One of n directions, weighted against the light sample. */
-static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
-                             float sum, int n)
+static void spread_direction(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum,
+                             int n)
 {
     lf_fan_lobes f = {.n_terms = 0};
     bool below =
         pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
     bool drawn = suffix->has_direction && !(below && lf_has_fault(visit, LF_FAULT_HORIZON));
-    float over = drawn ? (float)n * lobes(visit, pivot, suffix->wi, &f) : 0.0f;
+    float over = drawn ? (float)n * lf_fan_eval(visit, pivot, suffix->wi, &f) : 0.0f;
+    if (suffix->is_pending)
+        follow(visit, pivot, over, suffix);
     if (over > 0.0f) {
         float with_light =
             over + (lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF) ? 0.0f : suffix->found_pdf * sum);
@@ -378,13 +399,21 @@ static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float
         lf_sub(lf_rig_point(visit->rig, w->x0[view], visit->plane.ly, 0.0f), pivot->event.p));
 }
 
+int lf_fan_directions(const lf_visit *visit, const lf_pivot *pivot)
+{
+    const bool many = pivot->event.kind == LF_EVENT_SURFACE &&
+                      lf_is_view_dependent(visit->scene, &pivot->event) &&
+                      !pivot->event.hit.material->has_delta;
+    return many ? LF_GLOSSY_DIRECTIONS : 1;
+}
+
 /* The lobe depends on the view: balance heuristic over all views' lobes and light sampling. Further
  * directions are drawn from the base's own lobe, too, or from the lobes of other views, in
  * proportion to their densities. Averaged over bases, the density is sum_k c_k D_k pdf_k. */
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
 {
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
-    int n = surface && !pivot->event.hit.material->has_delta ? LF_GLOSSY_DIRECTIONS : 1;
+    int n = lf_fan_directions(visit, pivot);
     for (const lf_suffix *next = suffix->next; next; next = next->next)
         n++;
     if (surface)
@@ -393,12 +422,12 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
     if (suffix->has_light)
         spread_light(visit, pivot, suffix, sum, n);
     spread_direction(visit, pivot, suffix, sum, n);
-    for (const lf_suffix *next = suffix->next; next; next = next->next)
+    for (lf_suffix *next = suffix->next; next; next = next->next)
         spread_direction(visit, pivot, next, sum, n);
     for (int i = 1; i < n && !suffix->next; i++) {
         float u = ((float)(i - 1) + lf_rng(&visit->worker->tracer)) / (float)(n - 1);
-        lf_suffix_redraw(&visit->worker->tracer, &pivot->event, some_way_back(visit, pivot, u, sum),
-                         pivot->sampler, visit->max_depth, suffix);
+        lf_suffix_turn(&visit->worker->tracer, &pivot->event, some_way_back(visit, pivot, u, sum),
+                       pivot->sampler, suffix);
         spread_direction(visit, pivot, suffix, sum, n);
     }
 }
@@ -418,7 +447,7 @@ static void spread_thin(lf_visit *visit, const lf_pivot *pivot, float sum)
  */
 static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
 {
-    geometry(visit, pivot, base);
+    lf_fan_project(visit, pivot, base);
     if (visit->expected)
         counts(visit, base, column);
     prefixes(visit, pivot, base);
@@ -454,13 +483,18 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
         spread_thin(visit, pivot, sum);
         return;
     }
+    lf_tracer *tracer = &visit->worker->tracer;
     lf_suffix suffix;
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
-    if (given)
+    if (given) {
         suffix = *given;
-    else
-        lf_suffix_draw(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, visit->max_depth,
-                       &suffix);
+    } else {
+        suffix = (lf_suffix){0};
+        lf_suffix_draw_light(tracer, &pivot->event, pivot->sampler, &suffix);
+        lf_suffix_turn(tracer, &pivot->event, wo, pivot->sampler, &suffix);
+    }
+    if (suffix.is_pending && pivot->event.kind == LF_EVENT_MEDIUM)
+        lf_suffix_follow(tracer, &pivot->event, visit->max_depth, &suffix);
     if (visit->worker->equiangular.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         lf_equiangular_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
     if (lf_is_view_dependent(visit->scene, &pivot->event))
@@ -482,7 +516,7 @@ static void equiangular_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
     if (!(visible > 0.0f))
         return;
     lf_fan_lobes f;
-    float over = lobes(visit, pivot, light->wi, &f),
+    float over = lf_fan_eval(visit, pivot, light->wi, &f),
           ratio = lf_equiangular_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
     float denominator = light->pdf * (1.0f + ratio) * sum + (light->delta ? 0.0f : over);
     lf_vec3 radiance = lf_scale(lf_mul(arriving.radiance, f.colour[0]), visible / denominator);
@@ -503,6 +537,20 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
     lf_equiangular_balance(visit, pivot, -1, sum, least_depth(visit), suffix);
 }
 
+static float over_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot, lf_vec3 wi)
+{
+    lf_fan_lobes f;
+    const float sum = fan(visit, view, column, pivot);
+    if (lf_is_view_dependent(visit->scene, &pivot->event)) {
+        lf_fan_look_back(visit, &pivot->event.hit);
+        return lf_fan_unit(visit, pivot) * (float)lf_fan_directions(visit, pivot) *
+               lf_fan_eval(visit, pivot, wi, &f);
+    }
+    return lf_fan_unit(visit, pivot) * sum *
+           lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi,
+                           &f.colour[0]);
+}
+
 const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
                                               .what = "all views share paths",
                                               .shares = true,
@@ -511,7 +559,8 @@ const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
                                     .suffixes = 4,
                                     .pivot = pivot_mvpt,
                                     .equiangular = equiangular_mvpt,
-                                    .balance = balance_mvpt};
+                                    .balance = balance_mvpt,
+                                    .over = over_mvpt};
 const lf_sharing lf_sharing_amvpt = {.entry = {.name = "amvpt",
                                                .what = "adaptive mvpt",
                                                .shares = true,

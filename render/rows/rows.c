@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "render/rows/light_paths.h"
 #include "render/rows/outlines.h"
 #include "render/rows/queue.h"
 #include "render/scene/geometry.h"
@@ -106,9 +107,9 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
 
 /* The scene's requirements for the film; sky if B is not stored. */
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
-                                  const lf_rig *rig, float sky[3])
+                                  const lf_rig *rig, bool light_paths, float sky[3])
 {
-    bool native = lf_has(scene, LF_TRAIT_MIRRORS) || scene->equiangular.n > 0 ||
+    bool native = light_paths || lf_has(scene, LF_TRAIT_MIRRORS) || scene->equiangular.n > 0 ||
                   (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION));
     bool uniform =
              !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_unscattered_uniform(scene, sky),
@@ -155,6 +156,7 @@ static void destroy(void *state)
     lf_counts_finish(&rows->counts);
     lf_row_triangles_finish(&rows->triangles);
     lf_outline_map_finish(&rows->outlines);
+    lf_light_paths_finish(&rows->light);
     lf_free(rows);
 }
 
@@ -211,6 +213,7 @@ static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_
                                  .sampler = settings->sampler,
                                  .max_depth = lf_max_depth(input->scene, settings->max_depth),
                                  .skip = settings->skip,
+                                 .light = rows->light.plan.per_pass > 0 ? &rows->light : NULL,
                                  .pilot = sharing->adaptive ? &rows->counts : NULL};
 }
 
@@ -235,7 +238,13 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                             track.n);
         lf_media_frame_init(&rows->emissive, input->scene->emissive.field, input->scene->emissive.n,
                             track.at, track.n);
-        needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
+        if (sharing->over)
+            status = lf_light_paths_init(&rows->light, input, &rows->seen, &rows->rig,
+                                         !sharing->entry.shares);
+    }
+    if (status == LF_OK) {
+        needs.layout = film_layout(&rows->seen, input->settings, &rows->rig,
+                                   rows->light.plan.per_pass > 0, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, lf_moving_moves(&rows->moving),
                                                sharing, rows->rig.n_views);
         status = make_memory(rows, sharing, &needs.layout, &track);
@@ -244,6 +253,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         destroy(rows);
         return status;
     }
+    rows->light.workers = rows->workers;
     make_plan(rows, input, sharing);
     *out_state = rows;
     *out_needs = needs;
@@ -254,16 +264,22 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
 
 /* Makes the map of an adaptive integrator once, after its pilot. If this fails, only the gain is
  * lost. */
-static void begin(void *state, const lf_pass *pass)
+static void make_map(lf_rows *rows)
 {
-    lf_rows *rows = state;
-    (void)pass;
     if (rows->mapped || !rows->plan.sharing->adaptive || !lf_adaptive_ready(rows->plan.film))
         return;
     rows->mapped = true;
     if (lf_adaptive_map(rows->plan.film, rows->pool, &rows->counts) == LF_OK)
         rows->plan.counts = &rows->counts;
     rows->plan.pilot = NULL;
+}
+
+static lf_status begin(void *state, const lf_pass *pass, const lf_cancel *cancel)
+{
+    lf_rows *rows = state;
+    make_map(rows);
+    return rows->plan.light ? lf_light_paths_begin(&rows->light, pass, rows->plan.film, cancel)
+                            : LF_OK;
 }
 
 static bool visit(void *state, const lf_visit_order *order, int row, int half, int worker,

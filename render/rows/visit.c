@@ -1,6 +1,7 @@
 /* A visit of a row: plane, slices, unscattered light, base samples. The part that all integrators
  * share. */
 #include "render/rows/extinction.h"
+#include "render/rows/light_paths.h"
 #include "render/rows/outlines.h"
 #include "render/rows/queue.h"
 #include "render/rows/visit_steps.h"
@@ -229,6 +230,8 @@ static bool sample(lf_visit *visit, const lf_cancel *cancel)
     visit->queue = NULL;
     if (!lf_equiangular_visit(visit, (float)(given_by(visit) / visit->rig->n_views), cancel))
         return false;
+    if (visit->plan->light)
+        lf_light_paths_add(visit->plan->light, visit);
     return visit->mirror_rounds == 0 || sample_mirrors(visit, cancel);
 }
 

@@ -4,6 +4,7 @@
 #ifndef LF_RENDER_VISIT_H
 #define LF_RENDER_VISIT_H
 
+#include "render/fault.h"
 #include "render/film/film.h"
 #include "render/integrator.h"
 #include "render/plane/alpha.h"
@@ -30,6 +31,7 @@ struct lf_suffix;
 struct lf_queue;
 struct lf_extinction;
 struct lf_prefix_factor;
+struct lf_light_paths;
 
 /* All traits except cameras that form no rig. */
 #define LF_ROWS_SUPPORT                                                                            \
@@ -50,6 +52,11 @@ typedef struct lf_sharing {
      * around the light, to `view` or to all views that see it. */
     void (*equiangular)(struct lf_visit *visit, int view, const struct lf_pivot *pivot,
                         const lf_light_sample *light);
+    /* Light paths: the density with which base samples draw a pivot on a surface and a direction
+     * from there, per unit area and solid angle, for one native sample of every view pixel. NULL:
+     * this sharing takes no light paths. */
+    float (*over)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
+                  lf_vec3 wi);
     /* Reweights the suffix of a base pivot in a medium for the points that equiangular sampling
      * draws. */
     void (*balance)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
@@ -254,34 +261,6 @@ lf_row_cut lf_visit_alphas(const lf_visit *visit);
  * probability subsets / n_views, each column equally often, and every pixel after a whole cycle. */
 bool lf_lattice_has(const lf_visit *visit, int view, int column);
 
-/* Deliberate mistakes that a test switches on, to show that it detects them. Only a second build of
- * the sources for render's tests contains them, with LF_FAULTS (tests/module.mk); programs do not.
- */
-typedef enum lf_fault {
-    LF_FAULT_NO_H = 1,          /* h_k left out of D_k: a missing r_j/r_i */
-    LF_FAULT_NO_VISIBILITY = 2, /* one view's visibility is ignored */
-    LF_FAULT_REALISED = 4,      /* realised instead of expected counts in the weights */
-    LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
-    LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
-    /* B and q use another plane of the row than the base samples, with other random numbers */
-    LF_FAULT_OTHER_ROW = 32,
-    LF_FAULT_NO_COUNTS = 64, /* c_k of an adaptive pass left out of the sums */
-    /* directions drawn below a surface's horizon do not count in W' */
-    LF_FAULT_HORIZON = 128,
-    /* suffixes ignore points drawn around equiangular lights */
-    LF_FAULT_NO_EQUIANGULAR_BALANCE = 256,
-    LF_FAULT_NO_CORRECTION = 512, /* samples drawn from slices count as if slices were the grid */
-    /* rays meet moving meshes at another shutter time than the visibility test of the views */
-    LF_FAULT_OTHER_TIME = 1024,
-    LF_FAULT_NO_TIME = 2048, /* all visits use the middle of the shutter */
-} lf_fault;
-
-#ifdef LF_FAULTS
-#define lf_has_fault(holder, fault) (((holder)->faults & (unsigned)(fault)) != 0)
-#else
-#define lf_has_fault(holder, fault) ((void)(holder), false)
-#endif
-
 /* The film index [view][column] at which view k of the worker's lanes receives a pivot's light. */
 static inline size_t lf_visit_pixel(const lf_visit *visit, int k)
 {
@@ -307,9 +286,10 @@ typedef struct lf_visit_plan {
     lf_film *film;
     lf_sampler_kind sampler;
     int max_depth;
-    unsigned skip;          /* lf_skip: optimisations in use */
-    lf_visit_order order;   /* `cover` forces collisions */
-    const lf_counts *pilot; /* where a pilot stores its marks; NULL: no pilot */
+    unsigned skip;                      /* lf_skip: optimisations in use */
+    const struct lf_light_paths *light; /* NULL: no light paths */
+    lf_visit_order order;               /* `cover` forces collisions */
+    const lf_counts *pilot;             /* where a pilot stores its marks; NULL: no pilot */
     /* expected counts of base samples; NULL: uniform. Needs order.column_step 1 */
     const lf_counts *counts;
 } lf_visit_plan;

@@ -2,8 +2,41 @@
  * known light as mvpt. Nothing is shared, so the only weight is one over the expected count of the
  * base pixel. */
 #include "render/rows/extinction.h"
+#include "render/rows/fan_steps.h"
+#include "render/rows/light_paths.h"
 #include "render/rows/native.h"
 #include "render/rows/prefix_factor.h"
+
+/* Pixels of a view per unit area at a pivot, times the pdf of its lobe. Transmittance of alpha
+ * surfaces is left out, here and for light paths (light_connect.c). */
+static float over_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot, lf_vec3 wi)
+{
+    const lf_rig *rig = visit->rig;
+    lf_vec3 f;
+    (void)column;
+    const lf_vec3 d =
+        lf_sub(lf_rig_point(rig, rig->b[view], visit->plane.ly, 0.0f), pivot->event.p);
+    const float pdf =
+        lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi, &f);
+    return lf_fan_unit(visit, pivot) * fabsf(lf_dot(pivot->event.hit.ng, d)) * pdf;
+}
+
+/* lf_suffix_draw, in balance with light paths. */
+static void draw(lf_visit *visit, int view, int column, const lf_pivot *pivot, lf_suffix *suffix)
+{
+    lf_tracer *tracer = &visit->worker->tracer;
+    lf_light_balance balance;
+    lf_suffix_draw_light(tracer, &pivot->event, pivot->sampler, suffix);
+    lf_suffix_turn(tracer, &pivot->event, lf_scale(pivot->event.w, -1.0f), pivot->sampler, suffix);
+    if (!suffix->is_pending)
+        return;
+    const bool shared =
+        visit->plan->light &&
+        lf_light_balance_of(visit, pivot, suffix->wi,
+                            visit->sharing->over(visit, view, column, pivot, suffix->wi), &balance);
+    lf_suffix_follow_in_balance(tracer, &pivot->event, visit->max_depth, shared ? &balance : NULL,
+                                suffix);
+}
 
 static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
                       const lf_suffix *given)
@@ -17,8 +50,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     if (given)
         suffix = *given;
     else if (!pivot->is_thin)
-        lf_suffix_draw(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, visit->max_depth,
-                       &suffix);
+        draw(visit, view, column, pivot, &suffix);
     if (visit->worker->equiangular.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         visit->sharing->balance(visit, view, column, pivot, &suffix);
     lf_vec3 radiance = lf_suffix_radiance(visit->scene, &pivot->event, &suffix, wo);
@@ -92,4 +124,5 @@ const lf_sharing lf_sharing_vpt = {
     .suffixes = 2,
     .pivot = pivot_vpt,
     .equiangular = equiangular_vpt,
-    .balance = balance_vpt};
+    .balance = balance_vpt,
+    .over = over_vpt};

@@ -8,6 +8,7 @@
  * versine and as wide as the rounding of directions. Its mean is the disk's, so that area and
  * energy are kept, and the sum of a smooth function over a lattice is as good as the integral. */
 #include "render/scene/vec_double.h"
+#include "render/transport/light/emitters.h"
 #include "render/transport/light/light_types.h"
 
 /* Half of the ramp, radians: what a direction may be off after a reflection. */
@@ -83,6 +84,57 @@ static bool varies(const lf_light *light)
     return light->versine > 0.0f;
 }
 
+/* ------------------------------------------------------------------------------- light paths -- */
+
+/* The density of paths per unit area of the square at a point of it; 0 outside. */
+static float density_at(const lf_emitter_square *square, float x, float y)
+{
+    const float scale = LF_EMITTER_GRID / (2.0f * square->half);
+    const float across = (x + square->half) * scale, along = (y + square->half) * scale;
+    if (!(across >= 0.0f && along >= 0.0f && across < LF_EMITTER_GRID && along < LF_EMITTER_GRID))
+        return 0.0f;
+    const int cell = (int)along * LF_EMITTER_GRID + (int)across;
+    return (square->density ? square->density[cell] : 1.0f) /
+           (4.0f * square->half * square->half);
+}
+
+static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
+                 const float u[6], lf_emitted *out)
+{
+    float inside;
+    lf_light_sample towards;
+    out->cell = lf_cdf_find(square->cumulative, LF_EMITTER_CELLS, u[0], &inside);
+    const float step = 2.0f * square->half / LF_EMITTER_GRID,
+                x = ((float)(out->cell % LF_EMITTER_GRID) + u[1]) * step - square->half,
+                y = ((float)(out->cell / LF_EMITTER_GRID) + u[2]) * step - square->half;
+    const lf_vec3 at = lf_madd(lf_madd(square->middle, x, square->right), y, square->up);
+    if (!draw(scene, light, at, 0.0, u + 3, &towards))
+        return false;
+    out->w = lf_scale(towards.wi, -1.0f);
+    out->p = lf_madd(at, 4.0f * square->half, towards.wi);
+    const float area = 4.0f * square->half * square->half / square->density[out->cell];
+    out->flux = light->versine > 0.0f
+                    ? lf_scale(light->radiance,
+                               area * solid_angle(light) * lf_dot(out->w, light->direction))
+                    : lf_scale(light->irradiance, area);
+    return true;
+}
+
+static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
+                          lf_vec3 wi, float distance)
+{
+    (void)distance;
+    const float cosine = -lf_dot(wi, light->direction);
+    lf_vec3 d = lf_sub(p, square->middle);
+    d = lf_madd(d, lf_dot(d, light->direction) / cosine, wi);
+    const float per_area =
+        density_at(square, lf_dot(d, square->right), lf_dot(d, square->up)) / cosine;
+    return light->versine > 0.0f ? per_area / solid_angle(light) : per_area;
+}
+
+/* ------------------------------------------------------------------------------------ its keys --
+ */
+
 enum { DIRECTION, IRRADIANCE, ANGLE, VISIBLE };
 
 static const lf_param keys[] = {
@@ -128,4 +180,6 @@ const lf_light_kind lf_light_distant = {
     .power = power,
     .escape = escape,
     .varies = varies,
+    .emit = emit,
+    .emit_density = emit_density,
 };

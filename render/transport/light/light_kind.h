@@ -18,6 +18,27 @@ typedef struct lf_area_light {
     bool hidden; /* camera rays pass through it */
 } lf_area_light;
 
+/* Where light paths of a distant light start (emitters.h): a square through the scene's middle, in
+ * cells of different densities. */
+typedef struct lf_emitter_square {
+    lf_vec3 middle, right, up;
+    float half;        /* half of its side */
+    int first;         /* its first cell among those of all lights */
+    float *density;    /* [cells] relative to an even one; NULL: even */
+    float *cumulative; /* [cells + 1] probabilities; NULL: the light has no square */
+} lf_emitter_square;
+
+/* The start of a light path. */
+typedef struct lf_emitted {
+    lf_vec3 p;           /* on the light, or outside of the scene */
+    lf_vec3 normal;      /* of the light's surface, on the side that it leaves; 0: none */
+    lf_vec3 w;           /* unit, in which it travels */
+    lf_vec3 flux;        /* of the light over the density of this start */
+    int cell;            /* of its square; -1: none */
+    const lf_mesh *mesh; /* of the light's surface; NULL: none */
+    uint32_t triangle;
+} lf_emitted;
+
 typedef struct lf_light_kind {
     const char *name; /* value of "type" in a scene file */
     /* At most LF_MAX_KEYS besides "type". A key of type LF_PARAM_FILE names a sky image, which is
@@ -72,6 +93,17 @@ typedef struct lf_light_kind {
     /* pdf at `from` of drawing the direction to a hit on the light; NULL = no ray can hit it. Rays
      * hit triangles of light->mesh with material light->mesh_material. */
     float (*hit_pdf)(const lf_light *light, lf_vec3 from, const lf_hit *hit);
+
+    /* Light paths (emitters.h). NULL: they do not start at such lights. */
+
+    /* Draws the start of a light path from u[6] in [0,1). out is zeroed, without a cell. false: no
+     * path. */
+    bool (*emit)(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
+                 const float u[6], lf_emitted *out);
+    /* Its density at p, where it arrives from wi (unit, towards the light, `distance` away): per
+     * unit area across wi and per unit solid angle; only per area if no ray can hit the light. */
+    float (*emit_density)(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
+                          lf_vec3 wi, float distance);
 } lf_light_kind;
 
 /* All kinds, one line each, in the order in which committed scenes have their lights: lights at

@@ -170,12 +170,49 @@ static void extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_mi
     *out_radius = 0.5f * lf_length(lf_sub(max, min));
 }
 
+/* Even over the area, and in proportion to the cosine. */
+static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
+                 const float u[6], lf_emitted *out)
+{
+    (void)square;
+    const lf_mesh *mesh = &scene->meshes[light->mesh];
+    const float root = sqrtf(u[1]), sides = light->one_sided ? 1.0f : 2.0f;
+    /* further digits for the choice among many triangles */
+    const double place = (double)u[0] + (double)u[5] * 0x1p-24;
+    float probability;
+    out->mesh = mesh;
+    out->triangle = lf_mesh_light_choose(light, place, &probability);
+    const lf_vec3 cross = twice_area(mesh, out->triangle);
+    const float size = lf_length(cross);
+    if (!(size > 0.0f))
+        return false;
+    out->p = lf_mesh_point(mesh, out->triangle, root * (1.0f - u[2]), root * u[2]);
+    const bool behind = !light->one_sided && u[5] >= 0.5f;
+    out->normal = lf_scale(cross, (behind ? -1.0f : 1.0f) / size);
+    lf_vec3 t, b;
+    lf_tangents(out->normal, &t, &b);
+    const float r = sqrtf(u[3]), phi = 2.0f * LF_PI * u[4];
+    out->w =
+        lf_from_frame(t, b, out->normal, lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(1.0f - u[3])));
+    out->flux = lf_scale(light->radiance, LF_PI * light->area * sides);
+    return true;
+}
+
+static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
+                          lf_vec3 wi, float distance)
+{
+    (void)square, (void)p, (void)wi, (void)distance;
+    return 1.0f / (LF_PI * light->area * (light->one_sided ? 1.0f : 2.0f));
+}
+
 const lf_light_kind lf_light_mesh = {
     .name = "mesh",
     .draw = draw,
     .power = power,
     .extent = extent,
     .hit_pdf = hit_pdf,
+    .emit = emit,
+    .emit_density = emit_density,
 };
 
 static int count_triangles(const lf_mesh *mesh, uint16_t material)

@@ -13,6 +13,25 @@ static double power(const lf_light *light, double radius)
     return 4.0 * (double)LF_PI * (double)lf_mean3(light->intensity);
 }
 
+static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
+                 const float u[6], lf_emitted *out)
+{
+    (void)scene, (void)square;
+    const float z = 1.0f - 2.0f * u[3], r = sqrtf(lf_max(1.0f - z * z, 0.0f)),
+                phi = 2.0f * LF_PI * u[4];
+    out->p = light->position;
+    out->w = lf_v3(r * cosf(phi), r * sinf(phi), z);
+    out->flux = lf_scale(light->intensity, 4.0f * LF_PI);
+    return true;
+}
+
+static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
+                          lf_vec3 wi, float distance)
+{
+    (void)light, (void)square, (void)p, (void)wi;
+    return LF_INV_4PI / (distance * distance);
+}
+
 void lf_light_point_extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
                            float *out_radius)
 {
@@ -54,4 +73,6 @@ const lf_light_kind lf_light_point = {
     .draw = draw,
     .power = power,
     .extent = lf_light_point_extent,
+    .emit = emit,
+    .emit_density = emit_density,
 };

@@ -27,6 +27,27 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
     return share > 0.0f;
 }
 
+static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
+                 const float u[6], lf_emitted *out)
+{
+    (void)scene, (void)square;
+    const float m = u[3] * light->versine, sine = sqrtf(m * (2.0f - m)), phi = 2.0f * LF_PI * u[4];
+    lf_vec3 t, b;
+    lf_tangents(light->direction, &t, &b);
+    out->p = light->position;
+    out->w =
+        lf_from_frame(t, b, light->direction, lf_v3(sine * cosf(phi), sine * sinf(phi), 1.0f - m));
+    out->flux = lf_scale(light->intensity, 2.0f * LF_PI * light->versine * falloff(light, out->w));
+    return true;
+}
+
+static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
+                          lf_vec3 wi, float distance)
+{
+    (void)square, (void)p, (void)wi;
+    return 1.0f / (2.0f * LF_PI * light->versine * distance * distance);
+}
+
 static double power(const lf_light *light, double radius)
 {
     (void)radius;
@@ -83,4 +104,6 @@ const lf_light_kind lf_light_spot = {
     .draw = draw,
     .power = power,
     .extent = lf_light_point_extent,
+    .emit = emit,
+    .emit_density = emit_density,
 };

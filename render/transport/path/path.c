@@ -1,5 +1,6 @@
 #include "render/transport/path/path.h"
 
+#include "render/fault.h"
 #include "render/transport/light/equiangular.h"
 #include "render/transport/path/interior.h"
 #include "render/transport/path/subsurface.h"
@@ -340,8 +341,93 @@ static float near_equiangular(const lf_scene *scene, const lf_event *event, cons
                : 1.0f;
 }
 
-/* Next-event estimation with the balance heuristic against direction sampling. */
-static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
+/* ------------------------------------------------------------------------------------ balance --
+ */
+
+float lf_path_reverse_pdf(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi)
+{
+    lf_vec3 f;
+    if (event->kind != LF_EVENT_SURFACE || !(lf_dot(event->hit.ng, wi) > 0.0f) ||
+        !(lf_dot(event->hit.ng, wo) > 0.0f))
+        return 0.0f;
+    return lf_scatter_eval(scene, event, wi, wo, &f);
+}
+
+bool lf_path_reverse_delta(const lf_event *event, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+{
+    const float least = 1.0f - 1e-4f; /* cosine between directions that count as the same */
+    const lf_hit *hit = &event->hit;
+    const lf_material *m = lf_hit_material(hit);
+    const bool through = lf_dot(hit->ng, wi) < 0.0f;
+    const float side = through ? -1.0f : 1.0f;
+    lf_delta delta[LF_MAX_DELTAS];
+    const int n = m->kind->deltas(m, lf_scale(hit->ng, side), lf_scale(hit->ns, side), wi,
+                                  hit->front != through, delta);
+    for (int i = 0; i < n; i++)
+        if (lf_dot(delta[i].wi, wo) > least) {
+            *f = delta[i].f;
+            return true;
+        }
+    return false;
+}
+
+/* p_light / p_suffix of a camera path that has come to `here`, without what follows from there;
+ * 0: light paths do not come here. */
+static float reached(const lf_reverse *reverse, const lf_event *here)
+{
+    if (here->kind != LF_EVENT_SURFACE)
+        return 0.0f;
+    return reverse->rate * reverse->cosine / lf_max(fabsf(lf_dot(here->hit.ng, here->w)), 1e-9f);
+}
+
+/* Continues from `here` along wi. rate: reached there, times the pdfs of scattering by light paths
+ * over that by this one. */
+static void continue_reverse(lf_reverse *reverse, const lf_event *here, lf_vec3 wi, float rate,
+                             bool delta)
+{
+    const float cosine = here->kind == LF_EVENT_SURFACE ? lf_dot(here->hit.ng, wi) : 0.0f;
+    if (delta && cosine < 0.0f && here->hit.material->is_solid)
+        reverse->is_inside = !reverse->is_inside;
+    reverse->rate = rate;
+    reverse->cosine = fabsf(cosine);
+}
+
+/* A light sample's radiance times its balance weight. */
+static lf_vec3 weigh_sample(const lf_light_balance *balance, const lf_event *event, lf_vec3 wo,
+                            const lf_light_sample *light, float pdf, float rate)
+{
+    const bool sums = light->distance == INFINITY && !light->delta;
+    const float reverse = lf_path_reverse_pdf(balance->emitters->scene, event, wo, light->wi),
+                drawn = light->delta ? light->pdf : light->pdf + pdf;
+    if (!(rate * reverse > 0.0f))
+        return light->radiance;
+    return lf_emitters_weigh(balance->emitters, sums ? NULL : light->light, light->radiance,
+                             balance->scale * rate * reverse / drawn, event->p, event->hit.ng,
+                             light->wi, light->distance);
+}
+
+/* The same for light that a direction has found; rate: p_light / p_suffix, without the light. */
+static lf_vec3 weigh_found(const lf_light_balance *balance, const lf_event *from,
+                           const lf_event *next, lf_vec3 found, float rate)
+{
+    if (!(rate > 0.0f) || !(lf_max3(found) > 0.0f))
+        return found;
+    const lf_light *light = next->kind == LF_EVENT_SURFACE
+                                ? lf_light_of_hit(balance->emitters->scene, &next->hit)
+                                : NULL;
+    return lf_emitters_weigh(balance->emitters, light, found, balance->scale * rate, from->p,
+                             from->hit.ng, next->w, INFINITY);
+}
+
+/* ----------------------------------------------------------------------------------- the walk --
+ */
+
+/* Next-event estimation with the balance heuristic against direction sampling. rate: see reached.
+ */
+static inline __attribute__((always_inline)) lf_vec3 direct(lf_tracer *tracer,
+                                                            const lf_event *event, lf_vec3 wo,
+                                                            const lf_light_balance *balance,
+                                                            float rate)
 {
     const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
     lf_light_sample light;
@@ -353,6 +439,8 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
         return lf_v3(0.0f, 0.0f, 0.0f);
     float weight = lf_path_lit(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
     weight *= near_equiangular(tracer->scene, event, light.light);
+    if (balance && rate > 0.0f && weight > 0.0f)
+        light.radiance = weigh_sample(balance, event, wo, &light, pdf, rate);
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
@@ -371,10 +459,8 @@ static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
                   lf_track_emission(tracer, next->from, next->w, t, is_dimmed ? &dimming : NULL));
 }
 
-/* Chooses between a surface's delta lobes and its other lobes; true: the path continues along *wi,
- * the direction of a delta lobe. */
-static bool follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi,
-                          lf_vec3 *beta)
+bool lf_path_follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi,
+                           lf_vec3 *beta)
 {
     lf_shading shading;
     lf_shade(&event->hit, wo, &shading);
@@ -394,23 +480,34 @@ static bool follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, 
     return true;
 }
 
-lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
+/* lf_path_scattered; balance NULL: alone. */
+static inline __attribute__((always_inline)) lf_vec3 scattered(lf_tracer *tracer,
+                                                               const lf_event *event, int depth,
+                                                               int max_depth,
+                                                               const lf_light_balance *balance)
 {
     lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = channels_of(tracer->scene, event);
     lf_event events[2];
     const lf_event *here = event;
+    lf_reverse reverse = {.rate = 1.0f, .cosine = balance ? balance->cosine : 0.0f};
     for (; depth <= max_depth; depth++) {
         lf_vec3 wo = lf_scale(here->w, -1.0f), wi, f, fire;
-        float pdf = 0.0f;
-        bool delta = here->kind == LF_EVENT_SURFACE && follows_delta(tracer, here, wo, &wi, &beta);
+        float pdf = 0.0f, rate = balance ? reached(&reverse, here) : 0.0f;
+        bool delta =
+            here->kind == LF_EVENT_SURFACE && lf_path_follows_delta(tracer, here, wo, &wi, &beta);
         if (!delta) {
-            radiance = lf_add(radiance, lf_mul(beta, direct(tracer, here, wo)));
+            const float lit = balance && !reverse.is_inside ? rate : 0.0f;
+            radiance = lf_add(radiance, lf_mul(beta, direct(tracer, here, wo, balance, lit)));
             const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
             pdf = lf_scatter_sample(tracer->scene, here, wo, u, &wi, &f);
             if (!(pdf > 0.0f))
                 break;
             beta = lf_scale(lf_mul(beta, f), 1.0f / pdf);
             tracer->spread = LF_SUFFIX_SPREAD;
+            if (balance && rate > 0.0f && !lf_has_fault(balance, LF_FAULT_NO_REVERSE_PDF))
+                rate *= lf_path_reverse_pdf(tracer->scene, here, wo, wi);
+        } else if (balance && !lf_path_reverse_delta(here, wo, wi, &f)) {
+            rate = 0.0f;
         }
         if (!(lf_max3(beta) > 0.0f) || !lf_path_survives(tracer, &beta))
             break;
@@ -423,6 +520,12 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         float light_pdf;
         lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
+        if (balance) {
+            continue_reverse(&reverse, here, wi, delta ? rate : rate / pdf, delta);
+            if (!reverse.is_inside)
+                found = weigh_found(balance, here, next, found,
+                                    delta ? rate : rate / (pdf + light_pdf));
+        }
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
         if (tracer->scene->emissive.n > 0)
             radiance = lf_add(radiance, fire);
@@ -437,6 +540,17 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
     if (depth > max_depth)
         tracer->suffixes_cut += (double)lf_max3(beta);
     return radiance;
+}
+
+lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
+{
+    return scattered(tracer, event, depth, max_depth, NULL);
+}
+
+lf_vec3 lf_path_scattered_in_balance(lf_tracer *tracer, const lf_event *event, int depth,
+                                     int max_depth, const lf_light_balance *balance)
+{
+    return scattered(tracer, event, depth, max_depth, balance);
 }
 
 lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters)
@@ -456,6 +570,20 @@ lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int
     const lf_vec3 left = lf_path_absorbed(tracer->scene, next);
     const double cut = tracer->suffixes_cut;
     lf_vec3 scattered = lf_path_scattered(tracer, next, depth, max_depth);
+    tracer->suffixes_cut = cut + (tracer->suffixes_cut - cut) * (double)lf_max3(left);
+    return lf_add(radiance, lf_mul(scattered, left));
+}
+
+lf_vec3 lf_path_arriving_in_balance(lf_tracer *tracer, const lf_event *next, int depth,
+                                    int max_depth, const lf_light_balance *balance)
+{
+    const lf_vec3 radiance = lf_path_along(tracer, next, depth <= max_depth);
+    tracer->suffixes++;
+    if (next->kind == LF_EVENT_ESCAPE)
+        return radiance;
+    const lf_vec3 left = lf_path_absorbed(tracer->scene, next);
+    const double cut = tracer->suffixes_cut;
+    lf_vec3 scattered = lf_path_scattered_in_balance(tracer, next, depth, max_depth, balance);
     tracer->suffixes_cut = cut + (tracer->suffixes_cut - cut) * (double)lf_max3(left);
     return lf_add(radiance, lf_mul(scattered, left));
 }

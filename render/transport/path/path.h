@@ -3,6 +3,7 @@
 #ifndef LF_RENDER_PATH_H
 #define LF_RENDER_PATH_H
 
+#include "render/transport/path/light_balance.h"
 #include "render/transport/path/nest.h"
 #include "render/transport/path/phase.h"
 #include "render/transport/path/track.h"
@@ -118,5 +119,25 @@ lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int
  * Excludes light emitted AT the vertex or before it. The event comes from lf_path_next and includes
  * its channels. */
 lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth);
+
+/* The same for a path that shares its light with light paths (light_balance.h): every contribution
+ * has its balance weight. `event` is the first vertex after the pivot, or `next` leads to it. */
+lf_vec3 lf_path_arriving_in_balance(lf_tracer *tracer, const lf_event *next, int depth,
+                                    int max_depth, const lf_light_balance *balance);
+lf_vec3 lf_path_scattered_in_balance(lf_tracer *tracer, const lf_event *event, int depth,
+                                     int max_depth, const lf_light_balance *balance);
+
+/* The pdf with which scattering at a vertex turns light from wi towards wo, for the balance of
+ * light paths. 0 in media, and unless both lie on the side of the geometric normal. */
+float lf_path_reverse_pdf(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi);
+
+/* Whether the delta lobe that leads from wo to wi also leads back, so that light paths can come the
+ * same way: not if a bent normal has mirrored it. *f: its lobe then, for light from wo. */
+bool lf_path_reverse_delta(const lf_event *event, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
+
+/* Chooses between a surface's delta lobes and its other lobes; true: the path continues along *wi,
+ * the direction of a delta lobe. */
+bool lf_path_follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi,
+                           lf_vec3 *beta);
 
 #endif

@@ -11,27 +11,41 @@ void lf_suffix_draw_light(lf_tracer *tracer, const lf_event *event, lf_sampler *
         suffix->light_visible = lf_path_lit(tracer, event, &suffix->light);
 }
 
-void lf_suffix_meet(lf_tracer *tracer, const lf_event *event, const lf_event *next, int max_depth,
-                    lf_suffix *suffix)
+static void meet(lf_tracer *tracer, const lf_event *event, const lf_event *next, int max_depth,
+                 const lf_light_balance *balance, lf_suffix *suffix)
 {
     const lf_scene *scene = tracer->scene;
+    suffix->is_pending = false;
     suffix->found = lf_path_light_found(scene, event, next, &suffix->found_pdf);
     if (scene->equiangular.n > 0 && suffix->found_pdf > 0.0f && next->kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(scene, &next->hit);
-    suffix->scattered = lf_path_arriving(tracer, next, 2, max_depth);
+    suffix->scattered = balance ? lf_path_arriving_in_balance(tracer, next, 2, max_depth, balance)
+                                : lf_path_arriving(tracer, next, 2, max_depth);
     if (lf_has(scene, LF_TRAITS_FILLED))
         suffix->found = lf_mul(suffix->found, lf_path_absorbed(scene, next));
 }
 
-void lf_suffix_follow(lf_tracer *tracer, const lf_event *event, int max_depth, lf_suffix *suffix)
+void lf_suffix_meet(lf_tracer *tracer, const lf_event *event, const lf_event *next, int max_depth,
+                    lf_suffix *suffix)
+{
+    meet(tracer, event, next, max_depth, NULL, suffix);
+}
+
+void lf_suffix_follow_in_balance(lf_tracer *tracer, const lf_event *event, int max_depth,
+                                 const lf_light_balance *balance, lf_suffix *suffix)
 {
     lf_event next;
     lf_path_next(tracer, event, suffix->wi, &next);
-    lf_suffix_meet(tracer, event, &next, max_depth, suffix);
+    meet(tracer, event, &next, max_depth, balance, suffix);
 }
 
-void lf_suffix_redraw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
-                      int max_depth, lf_suffix *suffix)
+void lf_suffix_follow(lf_tracer *tracer, const lf_event *event, int max_depth, lf_suffix *suffix)
+{
+    lf_suffix_follow_in_balance(tracer, event, max_depth, NULL, suffix);
+}
+
+void lf_suffix_turn(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
+                    lf_suffix *suffix)
 {
     lf_vec3 f;
     float u[3];
@@ -43,10 +57,18 @@ void lf_suffix_redraw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_s
     float pdf = lf_scatter_sample(tracer->scene, event, wo, u, &suffix->wi, &f);
     /* A direction counts in W' even if no light is reflected along it. */
     suffix->has_direction = pdf > 0.0f;
-    if (!suffix->has_direction || !(lf_max3(f) > 0.0f || lf_path_serves_others(event, suffix->wi)))
-        return;
-    tracer->spread = LF_SUFFIX_SPREAD;
-    lf_suffix_follow(tracer, event, max_depth, suffix);
+    suffix->is_pending =
+        suffix->has_direction && (lf_max3(f) > 0.0f || lf_path_serves_others(event, suffix->wi));
+    if (suffix->is_pending)
+        tracer->spread = LF_SUFFIX_SPREAD;
+}
+
+void lf_suffix_redraw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
+                      int max_depth, lf_suffix *suffix)
+{
+    lf_suffix_turn(tracer, event, wo, sampler, suffix);
+    if (suffix->is_pending)
+        lf_suffix_follow(tracer, event, max_depth, suffix);
 }
 
 void lf_suffix_draw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,

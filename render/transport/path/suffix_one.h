@@ -14,28 +14,36 @@ typedef struct lf_suffix {
     const lf_light *found_light;
     /* another direction of the same vertex, drawn in the same way, without a light sample; NULL:
      * none */
-    const struct lf_suffix *next;
+    struct lf_suffix *next;
     float light_visible; /* its transmittance, 0..1 */
     lf_vec3 wi;          /* the direction */
     lf_vec3 found;       /* light met at its first event … */
     float found_pdf;     /* … and p_L, the pdf of light sampling for it; 0: not sampled */
     lf_vec3 scattered;   /* radiance scattered there */
     bool has_light, has_direction;
+    bool is_pending; /* the light along the direction is not yet computed (lf_suffix_follow) */
 } lf_suffix;
 
 /* Draws the light sample of a zeroed suffix, and estimates its transmittance. */
 void lf_suffix_draw_light(lf_tracer *tracer, const lf_event *event, lf_sampler *sampler,
                           lf_suffix *suffix);
-/* Draws a direction that replaces the suffix's own and follows it; the light sample stays. wo is
- * the direction for which the lobe is sampled: towards the base view or any view that sees the
- * vertex. */
+/* Draws a direction that replaces the suffix's own; the light sample stays. wo is the direction for
+ * which the lobe is sampled: towards the base view or any view that sees the vertex. If the
+ * direction may carry light, it is pending: to be followed next. */
+void lf_suffix_turn(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
+                    lf_suffix *suffix);
+/* lf_suffix_turn, and follows the direction. */
 void lf_suffix_redraw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
                       int max_depth, lf_suffix *suffix);
 /* Draws the light sample and the direction. */
 void lf_suffix_draw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
                     int max_depth, lf_suffix *out);
 
-/* Computes the light along the suffix's direction, which is already drawn. */
+/* Computes the light along the suffix's direction, which is already drawn. balance: as in
+ * lf_path_scattered_in_balance. */
+void lf_suffix_follow_in_balance(lf_tracer *tracer, const lf_event *event, int max_depth,
+                                 const lf_light_balance *balance, lf_suffix *suffix);
+/* The same alone. */
 void lf_suffix_follow(lf_tracer *tracer, const lf_event *event, int max_depth, lf_suffix *suffix);
 /* lf_suffix_follow for a known first event `next` (lf_path_next). */
 void lf_suffix_meet(lf_tracer *tracer, const lf_event *event, const lf_event *next, int max_depth,
