@@ -35,7 +35,7 @@ void lf_trial_print_help(void)
            "  --json FILE               write all results as JSON (-: standard output)\n"
            "  --csv FILE                write the numbers as CSV (-: standard output)\n");
     lf_param_print_help(lf_option_params,
-                        LF_OPTIONS_VIEWS " calibration sampler max-depth skip threads");
+                        LF_OPTIONS_VIEWS " calibration sampler max-depth light-paths skip threads");
     lf_param_print_help(lf_integrator_params(), NULL);
     printf("  --seed S               random seed of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
@@ -80,11 +80,12 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                          lf_trial_options *options, bool *out_done, lf_error *err)
 {
     takers to = {options, command};
-    const lf_options_part parts[] = {
-        {lf_option_params, LF_OPTIONS_VIEWS " calibration target-error " LF_OPTIONS_RENDER,
-         &options->common},
-        {lf_integrator_params(), NULL, &options->common.choices},
-        {0}};
+    const lf_options_part parts[] = {{lf_option_params,
+                                      LF_OPTIONS_VIEWS
+                                      " calibration target-error light-paths " LF_OPTIONS_RENDER,
+                                      &options->common},
+                                     {lf_integrator_params(), NULL, &options->common.choices},
+                                     {0}};
     const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,
                                     .letters = ":",
                                     .parts = parts,
@@ -93,6 +94,7 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                                     .take = take,
                                     .context = &to};
     options->common.seed = 1;
+    options->common.offline = true;
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

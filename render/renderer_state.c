@@ -6,6 +6,7 @@
 
 #include "render/film/film_file.h"
 #include "render/renderer.h"
+#include "render/rows/light_paths.h"
 #include "render/scene/scene.h"
 
 static json_t *numbers(const double *x, int n)
@@ -45,6 +46,9 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         if (s->choices.of[i])
             json_object_set_new(words, lf_integrator_params()[i].option,
                                 json_integer(s->choices.of[i]));
+    const lf_integrator_entry *entry = lf_integrator_named(integrator);
+    if (s->light_paths != 0 && entry && entry->takes_light_paths && lf_light_paths_serve(scene, s))
+        json_object_set_new(words, "light_paths", json_integer(s->light_paths));
     for (int i = 0; i < 2 && c->moves; i++) {
         const lf_camera_shift *t = &c->shift[i];
         const double shift[] = {t->position[0], t->position[1], t->position[2],   t->target[0],

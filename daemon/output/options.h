@@ -70,11 +70,14 @@ typedef struct lf_options {
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                              /* 0 = the scene's */
+    bool offline;                               /* light paths are taken unless refused */
+    bool has_light_paths;                       /* it was given */
     bool has_exposure;                          /* it was given */
     bool guides;                                /* tint what the panel cannot show sharply */
     bool has_skip;                              /* it was given */
     unsigned skip;                              /* bits of lf_skip */
     double target_error, target_denoised_error; /* > 0 */
+    double light_paths; /* a number of paths, INFINITY: auto, -INFINITY: none */
     lf_fit_option fit;
     lf_file_options file;
     double exposure; /* as in lf_exposed_film */

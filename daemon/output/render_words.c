@@ -1,5 +1,6 @@
 #include "daemon/output/render_words.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,12 +84,15 @@ void lf_render_words_settings(lf_render_words *words, const lf_render_settings *
                                 .sampler = settings->sampler,
                                 .seed = settings->seed,
                                 .max_depth = settings->max_depth,
+                                .has_light_paths = settings->light_paths != LF_LIGHT_PATHS_AUTO,
+                                .light_paths = settings->light_paths > 0 ? settings->light_paths
+                                                                         : (double)-INFINITY,
                                 .has_skip = settings->skip != LF_SKIP_ALL,
                                 .skip = settings->skip,
                                 .denoise = denoise ? LF_DENOISE_ON : LF_DENOISE_OFF};
-    lf_render_words_differing(words, lf_option_params,
-                              "integrator estimator sampler max-depth skip seed denoise", &options,
-                              &none);
+    lf_render_words_differing(
+        words, lf_option_params,
+        "integrator estimator sampler max-depth light-paths skip seed denoise", &options, &none);
     for (const lf_param *row = lf_integrator_params(); !is_end(row); row = lf_param_next(row))
         if (lf_param_differs(row, &settings->choices, &none.choices))
             lf_render_words_row(words, row, &settings->choices);

@@ -141,20 +141,20 @@ static void connect_vertex(void *context, const lf_forward_vertex *vertex)
                 directions = connect->view >= 0 || lf_has_fault(visit, LF_FAULT_NO_DIRECTIONS)
                                  ? 1.0f
                                  : (float)lf_fan_directions(visit, &pivot);
-    float over = eval(connect, &pivot, vertex->back, &f),
-          most = unit * most_of(connect, &f, vertex->flux), keep = 1.0f;
+    float over = directions * unit * eval(connect, &pivot, vertex->back, &f), keep = 1.0f,
+          most = unit * most_of(connect, &f, vertex->flux);
     if (!(most > 0.0f) || !(over > 0.0f))
         return;
     if (plan->cut > 0.0f) {
-        keep = lf_min(most * weight_of(connect, vertex->rate, directions * unit * over) / plan->cut,
-                      1.0f);
+        most *= weight_of(connect, vertex->rate, over) *
+                lf_light_importance(plan, rig, visit->row, w->column[rig->n_views / 2]);
+        keep = lf_min(most / plan->cut, 1.0f);
         if (!(lf_rng(&w->tracer) < keep))
             return;
     }
-    const float seen = see(connect, &pivot);
-    over = connect->view >= 0 ? over : seen;
-    const float weight =
-        unit * weight_of(connect, vertex->rate, directions * unit * over) / (keep * plan->m);
+    const float seen = directions * unit * see(connect, &pivot);
+    connect->over = connect->view >= 0 ? over : seen;
+    const float weight = unit * weight_of(connect, vertex->rate, connect->over) / (keep * plan->m);
     for (int k = 0; k < rig->n_views; k++) {
         if (!(w->scale[k] > 0.0f))
             continue;

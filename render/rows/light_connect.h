@@ -20,7 +20,8 @@ typedef struct lf_light_connect {
     lf_visit visit; /* of the vertex: its plane and worker */
     const lf_light_plan *plan;
     lf_light_sink sink;
-    int view; /* the only view that the path serves; -1: all */
+    int view;   /* the only view that the path serves; -1: all */
+    float over; /* of the last vertex that was taken: the density of camera paths */
 } lf_light_connect;
 
 void lf_light_connect_init(lf_light_connect *connect, const lf_scene *scene, const lf_rig *rig,

@@ -21,7 +21,7 @@ bool lf_light_paths_serve(const lf_scene *scene, const lf_render_settings *setti
     return scene->embree && !(has & ~SERVED);
 }
 
-/* --------------------------------------------------------------------------------- the sets -- */
+/* ---------------------------------------------------------------------------------- the sets -- */
 
 /* The number of light paths of a visit. */
 static int64_t paths_of(const lf_light_paths *paths, const lf_visit_order *order)
@@ -249,6 +249,48 @@ void lf_light_paths_add(const lf_light_paths *paths, lf_visit *visit)
     }
 }
 
+/* Light paths for each view pixel and native sample. */
+#define PER_PIXEL 0.75
+/* Most bytes of the splats of a pass. */
+#define MOST_BYTES 2e8
+
+/* Sets the number of paths for each pass. */
+static void set_number(lf_light_paths *paths, double per_pass)
+{
+    const double most = LF_LIGHT_PATHS_MOST, n = fmin(fmax(per_pass, 2.0), most);
+    paths->plan.per_pass = (int)(2.0 * floor(0.5 * n + 0.5));
+    paths->plan.m =
+        (float)paths->plan.per_pass * (paths->alone ? 1.0f : (float)paths->rig->n_views);
+}
+
+/* Runs the pilot. wanted: as in lf_render_settings. */
+static lf_status choose(lf_light_paths *paths, int wanted)
+{
+    const lf_rig *rig = paths->rig;
+    const lf_light_pilot pilot = {.scene = paths->scene,
+                                  .rig = rig,
+                                  .pool = paths->pool,
+                                  .max_depth = paths->max_depth,
+                                  .alone = paths->alone};
+    double splats = 0.0;
+    bool serves = true;
+    set_number(paths, wanted > 0 ? wanted : PER_PIXEL * rig->width * rig->height);
+    lf_status status = lf_light_pilot_asks(&pilot, &paths->plan, &serves);
+    if (status == LF_OK && wanted < 0 && !serves) {
+        paths->plan.per_pass = 0;
+        return LF_OK;
+    }
+    if (status == LF_OK)
+        status = lf_light_pilot_learns(&pilot, &paths->emitters, &paths->plan, &splats);
+    /* splats are stored twice: with their rows, and sorted */
+    const double bytes = splats * rig->n_views * (2.0 * sizeof(lf_light_splat) + sizeof(uint32_t));
+    if (status == LF_OK && wanted < 0 && bytes * paths->plan.per_pass > MOST_BYTES)
+        set_number(paths, MOST_BYTES / bytes);
+    if (status == LF_OK && wanted < 0 && !(splats > 0.0))
+        paths->plan.per_pass = 0;
+    return status;
+}
+
 lf_status lf_light_paths_init(lf_light_paths *paths, const lf_integrator_input *input,
                               const lf_scene *seen, const lf_rig *rig, bool alone)
 {
@@ -267,9 +309,7 @@ lf_status lf_light_paths_init(lf_light_paths *paths, const lf_integrator_input *
     if (!paths->set_of)
         return LF_E_NOMEM;
     paths->plan.emitters = &paths->emitters;
-    paths->plan.per_pass = settings->light_paths + settings->light_paths % 2;
-    paths->plan.m = (float)paths->plan.per_pass * (alone ? 1.0f : (float)rig->n_views);
-    return LF_OK;
+    return choose(paths, settings->light_paths);
 }
 
 void lf_light_paths_finish(lf_light_paths *paths)

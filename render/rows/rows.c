@@ -238,7 +238,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                             track.n);
         lf_media_frame_init(&rows->emissive, input->scene->emissive.field, input->scene->emissive.n,
                             track.at, track.n);
-        if (sharing->over)
+        if (sharing->entry.takes_light_paths)
             status = lf_light_paths_init(&rows->light, input, &rows->seen, &rows->rig,
                                          !sharing->entry.shares);
     }

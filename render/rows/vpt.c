@@ -119,10 +119,12 @@ static void equiangular_vpt(lf_visit *visit, int view, const lf_pivot *pivot,
                         lf_scale(lf_mul(lf_mul(f, arriving.radiance), channels), visible / pdf));
 }
 
-const lf_sharing lf_sharing_vpt = {
-    .entry = {.name = "vpt", .what = "each view alone", .supports = LF_ROWS_SUPPORT},
-    .suffixes = 2,
-    .pivot = pivot_vpt,
-    .equiangular = equiangular_vpt,
-    .balance = balance_vpt,
-    .over = over_vpt};
+const lf_sharing lf_sharing_vpt = {.entry = {.name = "vpt",
+                                             .what = "each view alone",
+                                             .takes_light_paths = true,
+                                             .supports = LF_ROWS_SUPPORT},
+                                   .suffixes = 2,
+                                   .pivot = pivot_vpt,
+                                   .equiangular = equiangular_vpt,
+                                   .balance = balance_vpt,
+                                   .over = over_vpt};

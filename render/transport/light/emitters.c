@@ -133,18 +133,33 @@ lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf
     return lf_v3(lf_max(radiance.x, 0.0f), lf_max(radiance.y, 0.0f), lf_max(radiance.z, 0.0f));
 }
 
+/* The mean of a cell and its neighbours, because few paths come through a cell. */
+static double smooth(const double *second, int cell)
+{
+    const int column = cell % LF_EMITTER_GRID, row = cell / LF_EMITTER_GRID;
+    double sum = 0.0;
+    int n = 0;
+    for (int y = row - 1; y <= row + 1; y++)
+        for (int x = column - 1; x <= column + 1; x++)
+            if (x >= 0 && y >= 0 && x < LF_EMITTER_GRID && y < LF_EMITTER_GRID) {
+                sum += second[y * LF_EMITTER_GRID + x];
+                n++;
+            }
+    return sum / n;
+}
+
 void lf_emitters_learn(lf_emitters *emitters, const double *second)
 {
+    double root[LF_EMITTER_CELLS];
     for (int i = 0; i < emitters->n; i++) {
         lf_emitter_square *square = &emitters->of[i].square;
         double sum = 0.0, before = 0.0;
         for (int c = 0; c < LF_EMITTER_CELLS && square->cumulative; c++)
-            sum += sqrt(second[square->first + c]);
+            sum += root[c] = sqrt(smooth(second + square->first, c));
         if (!(sum > 0.0))
             continue;
         for (int c = 0; c < LF_EMITTER_CELLS; c++) {
-            const double share = sqrt(second[square->first + c]) / sum;
-            before += EVEN / LF_EMITTER_CELLS + (1.0 - EVEN) * share;
+            before += EVEN / LF_EMITTER_CELLS + (1.0 - EVEN) * root[c] / sum;
             square->cumulative[c + 1] =
                 c + 1 < LF_EMITTER_CELLS ? lf_cumulative_round(before) : 1.0f;
             square->density[c] =

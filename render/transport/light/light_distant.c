@@ -132,8 +132,7 @@ static float emit_density(const lf_light *light, const lf_emitter_square *square
     return light->versine > 0.0f ? per_area / solid_angle(light) : per_area;
 }
 
-/* ------------------------------------------------------------------------------------ its keys --
- */
+/* ---------------------------------------------------------------------------------- its keys -- */
 
 enum { DIRECTION, IRRADIANCE, ANGLE, VISIBLE };
 

@@ -341,8 +341,7 @@ static float near_equiangular(const lf_scene *scene, const lf_event *event, cons
                : 1.0f;
 }
 
-/* ------------------------------------------------------------------------------------ balance --
- */
+/* ----------------------------------------------------------------------------------- balance -- */
 
 float lf_path_reverse_pdf(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi)
 {
@@ -419,8 +418,7 @@ static lf_vec3 weigh_found(const lf_light_balance *balance, const lf_event *from
                              from->hit.ng, next->w, INFINITY);
 }
 
-/* ----------------------------------------------------------------------------------- the walk --
- */
+/* ---------------------------------------------------------------------------------- the walk -- */
 
 /* Next-event estimation with the balance heuristic against direction sampling. rate: see reached.
  */

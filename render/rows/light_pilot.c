@@ -1,0 +1,374 @@
+#include "render/rows/light_pilot.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+#include "render/rows/light_connect.h"
+#include "render/transport/path/suffix_one.h"
+
+/* Samples of the first part, and light paths of each part, in chunks. */
+enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
+/* Light paths of a round: a share of the view pixels, within limits. */
+#define LEARNING_SHARE 0.3
+enum { LEAST_LEARNING = 32, MOST_LEARNING = 512 }; /* chunks */
+enum { TILES = LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS };
+
+/* The share of the variance from which light paths pay off. */
+#define LEAST_SHARE 0.4
+/* Cost of connecting a vertex to all views, relative to that of a path up to there. */
+#define COST_OF_RAYS 2.0
+#define KEY UINT64_C(0x6c69676874706174)
+
+/* ------------------------------------------------------------------------------ camera paths -- */
+
+/* Two suffixes of one pivot. */
+typedef struct pivot_sample {
+    int tile;
+    float mean; /* of the light that the ray brings */
+    /* squared differences of the two: of all light, and of the light that only camera paths find */
+    float all, rest;
+} pivot_sample;
+
+typedef struct asking {
+    const lf_light_pilot *pilot;
+    const lf_light_plan *plan;
+    lf_scratch *workers;
+    pivot_sample *pivots; /* [PIVOTS] */
+    double *found;        /* [chunks] variance of camera paths as light paths see it */
+    bool *missed;         /* [chunks] whether camera paths cannot find some light */
+} asking;
+
+/* Radiance of one suffix towards wo. */
+static lf_vec3 sample_suffix(lf_tracer *tracer, const lf_event *event, lf_sampler *sampler,
+                             int max_depth, const lf_light_balance *balance)
+{
+    lf_suffix suffix = {0};
+    lf_light_balance own = *balance;
+    const lf_vec3 wo = lf_scale(event->w, -1.0f);
+    lf_suffix_draw_light(tracer, event, sampler, &suffix);
+    lf_suffix_turn(tracer, event, wo, sampler, &suffix);
+    own.cosine = lf_dot(event->hit.ng, suffix.wi);
+    if (suffix.is_pending)
+        lf_suffix_follow_in_balance(tracer, event, max_depth,
+                                    own.scale > 0.0f && own.cosine > 0.0f ? &own : NULL, &suffix);
+    lf_vec3 y = lf_suffix_radiance(tracer->scene, event, &suffix, wo);
+    return isfinite(y.x + y.y + y.z) ? y : lf_v3(0.0f, 0.0f, 0.0f);
+}
+
+static float square(lf_vec3 a, lf_vec3 b)
+{
+    const lf_vec3 d = lf_sub(a, b);
+    return 0.5f * lf_mean3(lf_mul(d, d));
+}
+
+/* A camera ray. false: it meets no surface with a lobe. */
+static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pivot_sample *out,
+                       lf_event *event)
+{
+    const lf_rig *rig = pilot->rig;
+    const int view = i * 29 % rig->n_views;
+    const float u = ((float)(i % 32) + lf_rng(tracer)) / 32.0f * (float)rig->width,
+                v = ((float)(i / 32) + lf_rng(tracer)) / (PIVOTS / 32) * (float)rig->height;
+    const float slope = lf_rig_slope(rig, view, u), my = (rig->y0 + v * rig->dy) / rig->distance;
+    const lf_vec3 along = lf_rig_direction(rig, slope, my, 1.0f);
+    const float length = lf_length(along);
+    const int row = (int)lf_min(v, (float)(rig->height - 1)),
+              column = (int)lf_min(u, (float)(rig->width - 1));
+    out->tile = row * LF_LIGHT_TILE_ROWS / rig->height * LF_LIGHT_TILE_COLUMNS +
+                column * LF_LIGHT_TILE_COLUMNS / rig->width;
+    event->kind = LF_EVENT_SURFACE;
+    event->w = lf_scale(along, 1.0f / length);
+    tracer->width = 0.0f;
+    tracer->spread = lf_rig_spread(rig) / length;
+    if (!lf_trace_seen(tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f), event->w, INFINITY,
+                       &event->hit)) {
+        if (!pilot->scene->backdrop.given)
+            out->mean = lf_mean3(lf_light_seen(pilot->scene, event->w));
+        return false;
+    }
+    event->p = event->hit.p;
+    if (lf_max3(event->hit.material->emission) > 0.0f)
+        out->mean = lf_mean3(event->hit.material->emission);
+    return lf_hit_material(&event->hit)->has_lobe;
+}
+
+static void sample_pivot(const asking *a, int i, lf_tracer *tracer)
+{
+    const lf_light_pilot *pilot = a->pilot;
+    pivot_sample *out = &a->pivots[i];
+    lf_event event = {0};
+    lf_vec3 y[2][2];
+    lf_sampler sampler;
+    tracer->rng = lf_hash64(KEY, (uint64_t)i);
+    if (!draw_pivot(pilot, tracer, i, out, &event))
+        return;
+    for (int k = 0; k < 2; k++)
+        for (int rest = 0; rest < 2; rest++) {
+            const uint64_t key = lf_hash64(lf_hash64(KEY, (uint64_t)i), (uint64_t)k + 1);
+            const lf_light_balance balance = {.emitters = a->plan->emitters,
+                                              .scale = rest ? 1e30f : 0.0f};
+            tracer->rng = key;
+            lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, key, 0);
+            y[k][rest] = sample_suffix(tracer, &event, &sampler, pilot->max_depth, &balance);
+        }
+    out->mean += 0.5f * lf_mean3(lf_add(y[0][0], y[1][0]));
+    out->all = square(y[0][0], y[1][0]);
+    out->rest = square(y[0][1], y[1][1]);
+}
+
+static void sample_pivots(void *context, int item, int worker)
+{
+    const asking *a = context;
+    lf_tracer *tracer = &a->workers[worker].tracer;
+    tracer->scene = a->pilot->scene;
+    for (int i = item * CHUNK; i < (item + 1) * CHUNK; i++)
+        sample_pivot(a, i, tracer);
+}
+
+/* The image in tiles. */
+static void find_importance(const pivot_sample *pivots, lf_light_plan *plan)
+{
+    double sum[TILES] = {0.0}, n[TILES] = {0.0};
+    for (int i = 0; i < PIVOTS; i++) {
+        sum[pivots[i].tile] += (double)pivots[i].mean;
+        n[pivots[i].tile] += 1.0;
+    }
+    for (int i = 0; i < TILES; i++)
+        plan->importance[i] = (float)(1.0 / (0.1 + (n[i] > 0.0 ? sum[i] / n[i] : 0.0)));
+}
+
+/* ------------------------------------------------------------------------------- light paths -- */
+
+/* What the light paths of a chunk bring. */
+typedef struct bringing {
+    const lf_light_connect *connect;
+    double score; /* of the current vertex: its light relative to the brightness */
+    double found; /* variance of camera paths that find the same light, weighted */
+    double splats;
+    bool missed;
+} bringing;
+
+static bool wants_all(void *context, int row)
+{
+    (void)context, (void)row;
+    return true;
+}
+
+static void take_light(void *context, int row, size_t pixel, lf_vec3 rgb)
+{
+    bringing *b = context;
+    const lf_light_plan *plan = b->connect->plan;
+    const lf_rig *rig = b->connect->visit.rig;
+    const float importance = lf_light_importance(plan, rig, row, (int)(pixel % (size_t)rig->width));
+    b->score += (double)(lf_mean3(rgb) * plan->m * importance);
+    b->splats += 1.0;
+}
+
+/* The variance of camera paths of one view that find the light of a vertex: E over light paths of
+ * y^2 p_light / (over p_suffix), of which the balance keeps what light paths find well. */
+static void close_asking(void *context, const lf_forward_vertex *vertex)
+{
+    bringing *b = context;
+    const double m = (double)b->connect->plan->m, over = (double)b->connect->over,
+                 a = m * (double)vertex->rate;
+    if (!(b->score > 0.0))
+        return;
+    b->missed |= !isfinite(a);
+    b->found += isfinite(a) ? b->score * b->score * (1.0 + a / over) / m : 0.0;
+    b->score = 0.0;
+}
+
+static void ask_light(void *context, int item, int worker)
+{
+    asking *a = context;
+    const lf_light_pilot *pilot = a->pilot;
+    lf_light_connect connect;
+    bringing b = {.connect = &connect};
+    lf_light_connect_init(&connect, pilot->scene, pilot->rig, &a->workers[worker], a->plan);
+    connect.sink = (lf_light_sink){&b, wants_all, take_light, close_asking};
+    for (int i = item * CHUNK; i < (item + 1) * CHUNK; i++)
+        lf_light_connect_path(&connect, lf_hash64(KEY, ~(uint64_t)i), pilot->max_depth, true);
+    a->found[item] = b.found;
+    a->missed[item] = b.missed;
+}
+
+/* The decision. Variances are relative to the brightness. */
+static bool decide(const asking *a)
+{
+    const lf_rig *rig = a->pilot->rig;
+    double all = 0.0, rest = 0.0, found = 0.0;
+    bool missed = false;
+    for (int i = 0; i < PIVOTS; i++) {
+        const double weight = (double)a->plan->importance[a->pivots[i].tile];
+        all += weight * weight * (double)a->pivots[i].all / PIVOTS;
+        rest += weight * weight * (double)a->pivots[i].rest / PIVOTS;
+    }
+    for (int i = 0; i < ASKING_PATHS / CHUNK; i++) {
+        found += a->found[i] / ASKING_PATHS;
+        missed |= a->missed[i];
+    }
+    found /= (double)rig->width * rig->height;
+    const double of_class = fmax(all - rest, 0.0) + found;
+    return missed || of_class > LEAST_SHARE * (all + found);
+}
+
+lf_status lf_light_pilot_asks(const lf_light_pilot *pilot, lf_light_plan *plan, bool *out_serves)
+{
+    const int n = lf_pool_threads(pilot->pool);
+    lf_light_plan asked = *plan;
+    asking a = {.pilot = pilot,
+                .plan = &asked,
+                .workers = lf_calloc((size_t)n, sizeof *a.workers),
+                .pivots = lf_calloc(PIVOTS, sizeof *a.pivots),
+                .found = lf_calloc(ASKING_PATHS / CHUNK, sizeof *a.found),
+                .missed = lf_calloc(ASKING_PATHS / CHUNK, sizeof *a.missed)};
+    lf_status status = a.workers && a.pivots && a.found && a.missed ? LF_OK : LF_E_NOMEM;
+    asked.m = (float)plan->per_pass; /* of one view */
+    asked.cut = 0.0f;
+    if (status == LF_OK)
+        status = lf_pool_run(pilot->pool, PIVOTS / CHUNK, sample_pivots, &a, NULL);
+    if (status == LF_OK) {
+        find_importance(a.pivots, &asked);
+        status = lf_pool_run(pilot->pool, ASKING_PATHS / CHUNK, ask_light, &a, NULL);
+    }
+    if (status == LF_OK) {
+        memcpy(plan->importance, asked.importance, sizeof plan->importance);
+        *out_serves = decide(&a);
+    }
+    lf_free(a.workers);
+    lf_free(a.pivots);
+    lf_free(a.found);
+    lf_free(a.missed);
+    return status;
+}
+
+/* ----------------------------------------------------------------------------------- learning --
+ */
+
+/* A vertex that light reaches. */
+typedef struct score {
+    float value;
+    int cell;
+} score;
+
+/* The scores of a chunk, in order. */
+typedef struct scores {
+    score *of;
+    int n, allocated;
+    double splats;
+    bool failed;
+} scores;
+
+typedef struct learning {
+    const lf_light_pilot *pilot;
+    const lf_light_plan *plan;
+    lf_scratch *workers;
+    scores *chunks;
+    int n_chunks; /* a round's */
+    int round;
+} learning;
+
+typedef struct learner {
+    bringing bringing; /* first: take_light has it as its context */
+    scores *out;
+} learner;
+
+static void close_learning(void *context, const lf_forward_vertex *vertex)
+{
+    learner *l = context;
+    scores *out = l->out;
+    if (out->n == out->allocated) {
+        const int n = 2 * out->allocated + CHUNK;
+        score *grown = lf_calloc((size_t)n, sizeof *grown);
+        if (!grown) {
+            out->failed = true;
+            return;
+        }
+        if (out->n > 0)
+            memcpy(grown, out->of, (size_t)out->n * sizeof *grown);
+        lf_free(out->of);
+        out->of = grown;
+        out->allocated = n;
+    }
+    out->of[out->n++] = (score){(float)l->bringing.score, vertex->cell};
+    l->bringing.score = 0.0;
+}
+
+static void learn_light(void *context, int item, int worker)
+{
+    learning *a = context;
+    const lf_light_pilot *pilot = a->pilot;
+    lf_light_connect connect;
+    learner l = {.bringing = {.connect = &connect}, .out = &a->chunks[item]};
+    lf_light_connect_init(&connect, pilot->scene, pilot->rig, &a->workers[worker], a->plan);
+    connect.sink = (lf_light_sink){&l, wants_all, take_light, close_learning};
+    l.out->n = 0;
+    const uint64_t key = lf_hash64(KEY, (uint64_t)a->round + 100);
+    for (int i = item * CHUNK; i < (item + 1) * CHUNK; i++)
+        lf_light_connect_path(&connect, lf_hash64(key, (uint64_t)i), pilot->max_depth,
+                              pilot->alone);
+    l.out->splats = l.bringing.splats;
+}
+
+/* Sums a round in the order of its paths. */
+static void sum_round(const learning *a, const lf_emitters *emitters, double *second,
+                      lf_light_plan *plan, double *out_splats)
+{
+    const double paths = (double)a->n_chunks * CHUNK;
+    double sum = 0.0;
+    *out_splats = 0.0;
+    for (int c = 0; c < a->n_chunks; c++) {
+        const scores *chunk = &a->chunks[c];
+        *out_splats += chunk->splats / paths;
+        for (int i = 0; i < chunk->n; i++) {
+            const double value = (double)chunk->of[i].value;
+            sum += value * value;
+            if (chunk->of[i].cell >= 0)
+                second[chunk->of[i].cell] +=
+                    value * value * (double)emitters->density[chunk->of[i].cell];
+        }
+    }
+    plan->cut = (float)sqrt(COST_OF_RAYS * sum / paths);
+}
+
+static bool scores_failed(const learning *a)
+{
+    bool failed = false;
+    for (int c = 0; c < a->n_chunks; c++)
+        failed |= a->chunks[c].failed;
+    return failed;
+}
+
+static int learning_chunks(const lf_rig *rig)
+{
+    const double n = LEARNING_SHARE * rig->n_views * rig->width * rig->height / CHUNK;
+    return (int)fmin(fmax(n, LEAST_LEARNING), MOST_LEARNING);
+}
+
+lf_status lf_light_pilot_learns(const lf_light_pilot *pilot, lf_emitters *emitters,
+                                lf_light_plan *plan, double *out_splats)
+{
+    const int n = lf_pool_threads(pilot->pool);
+    learning a = {.pilot = pilot,
+                  .plan = plan,
+                  .workers = lf_calloc((size_t)n, sizeof *a.workers),
+                  .n_chunks = learning_chunks(pilot->rig)};
+    a.chunks = lf_calloc((size_t)a.n_chunks, sizeof *a.chunks);
+    double *second = lf_calloc((size_t)emitters->n_cells + 1, sizeof *second);
+    lf_status status = a.workers && a.chunks && second ? LF_OK : LF_E_NOMEM;
+    for (a.round = 0; a.round < ROUNDS && status == LF_OK; a.round++) {
+        status = lf_pool_run(pilot->pool, a.n_chunks, learn_light, &a, NULL);
+        if (status == LF_OK && scores_failed(&a))
+            status = LF_E_NOMEM;
+        if (status == LF_OK) {
+            sum_round(&a, emitters, second, plan, out_splats);
+            lf_emitters_learn(emitters, second);
+        }
+    }
+    for (int c = 0; a.chunks && c < a.n_chunks; c++)
+        lf_free(a.chunks[c].of);
+    lf_free(a.workers);
+    lf_free(a.chunks);
+    lf_free(second);
+    return status;
+}
