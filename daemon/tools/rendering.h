@@ -168,7 +168,8 @@ bool lf_rendering_is_track(const lf_rendering *r);
 /* The state file of the current frame or row; of a row of cameras, if one output has several.
  * Caller frees; NULL = out of memory. */
 char *lf_rendering_state_current(const lf_rendering *r, int camera_row);
-/* Removes the states of the current frame or row, whose files have been written; and one. */
+/* Removes the states of the current frame or row, whose files are there; and one. Files that are no
+ * states stay. */
 void lf_rendering_state_remove(const lf_rendering *r);
 void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
                                   int shutter_part);

@@ -6,11 +6,12 @@
  *     lf_merging_create, lf_merging_add for each file, lf_merging_arrange, lf_merging_write,
  *     lf_merging_destroy
  *
- * Files are read twice, one at a time: first their counts, then their rows. Memory is a few rows
- * and about 100 bytes per file. Every checksum is checked when its part is read, before anything
- * is published. Errors name the file: LF_E_IO, LF_E_FORMAT (damaged, or changed meanwhile),
- * LF_E_STATE (another image or version, samples twice), LF_E_NOMEM. After an error only
- * lf_merging_destroy may follow. Thread: one at a time. */
+ * Files are read twice, one at a time: first their counts, then their rows. Memory is about 300
+ * bytes per file, and rows: 8 MB of them, for streams 128 MB, or one row if that is larger. Every
+ * checksum is checked when its part is read, before anything is published. Errors name the file:
+ * LF_E_IO, LF_E_FORMAT (damaged, or changed meanwhile), LF_E_STATE (another image or version,
+ * samples twice), LF_E_NOMEM. After an error only lf_merging_destroy may follow. Thread: one at a
+ * time. */
 #ifndef LF_RENDER_FILM_MERGE_H
 #define LF_RENDER_FILM_MERGE_H
 
