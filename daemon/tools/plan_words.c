@@ -17,8 +17,6 @@ static const left_out of_plan[] = {{"--plan", false},
                                    {"--task-memory", true},
                                    {NULL, false}};
 static const left_out of_rows[] = {{"--camera-rows", true}, {NULL, false}};
-/* A finish with it would remove the rows that tasks wrote. */
-static const left_out of_plate[] = {{"--overwrite", false}, {NULL, false}};
 static const left_out of_frames[] = {{"--frames", true}, {NULL, false}};
 static const left_out of_run[] = {{"--state", true}, {"--rows", true},  {"--stream", true},
                                   {"--files", true}, {"--stats", true}, {NULL, false}};
@@ -75,8 +73,6 @@ static bool leaves_out(const lf_rendering *r, const lf_plan *plan, const char *w
         found = find(has_frames ? of_frames : of_rows, word);
     if (!found && !is_job)
         found = find(of_run, word);
-    if (!found && !is_job && r->sequence.plate)
-        found = find(of_plate, word);
     if (found)
         *out_takes_argument = found->takes_argument && !strchr(word, '=');
     return found || (plan->frames && (is_of_video(word, out_takes_argument) ||

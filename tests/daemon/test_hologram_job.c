@@ -187,30 +187,8 @@ static void rows_of_another_scene_are_refused(void **state)
     qr_run(&o, "%s/scene.json -o %s/ --hologram views --overwrite --camera-rows 0:1" SMALL, one,
            plates[0]);
     qr_assert_fails(&o, 1, "choose another folder, or use --overwrite without --camera-rows");
-    qr_run(&o, "%s/scene.json -o %s/ --hologram views --plan --overwrite" SMALL, one, plates[0]);
+    qr_run(&o, "%s/scene.json -o %s/ --hologram views --plan" SMALL, one, plates[0]);
     qr_assert_fails(&o, 1, "choose another folder, or remove this one");
-}
-
-/* The last command of a plan does not remove what the tasks wrote. */
-static void a_planned_overwrite_keeps_the_rows_of_tasks(void **state)
-{
-    const qr_files *f = *state;
-    qr_outcome o;
-    char scene[PATH_MAX];
-    snprintf(scene, sizeof scene, "%s", grid_of(f));
-    qr_run(&o, "--plan --json --task-minutes 0 %s -o %s/over/ --hologram views --overwrite" SMALL,
-           scene, f->folder);
-    assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.out, "--hologram"));
-    assert_null(strstr(o.out, "--overwrite"));
-    qr_run(&o, "--plan --task-minutes 0 %s -o %s/over/ --hologram views --overw" SMALL, scene,
-           f->folder);
-    assert_int_equal(o.code, 0);
-    assert_null(strstr(o.out, "--overw"));
-    qr_run(&o, "--plan --json %s -o %s/turn.png --turntable 2 --overwrite --spp 1", f->scene,
-           f->folder);
-    assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.out, "--overwrite"));
 }
 
 /* Bands of image rows, kept as states, then the rows, then the plate. */
@@ -426,7 +404,6 @@ int main(void)
         cmocka_unit_test(a_killed_plate_goes_on),
         cmocka_unit_test(a_killed_overwrite_mixes_nothing),
         cmocka_unit_test(rows_of_another_scene_are_refused),
-        cmocka_unit_test(a_planned_overwrite_keeps_the_rows_of_tasks),
         cmocka_unit_test(a_plan_with_bands_makes_the_plate),
         cmocka_unit_test(receipts_list_the_files),
         cmocka_unit_test(printers_have_rigs),
