@@ -58,6 +58,11 @@ const lf_param lf_farm_params[] = {
      .help = "plan, status: print JSON",
      .type = LF_PARAM_SWITCH,
      .place = offsetof(lf_farm_options, json)},
+    {.option = "check",
+     .help =
+         "status: compare the SHA-256 of all outputs; submit, resume: make those anew that differ",
+     .type = LF_PARAM_SWITCH,
+     .place = offsetof(lf_farm_options, check)},
     {0}};
 
 /* -------------------------------------------------------------------------------------- cost -- */
@@ -196,8 +201,7 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
     if (status != LF_OK)
         return status;
     lf_farm_words_add(&words, "%s", path);
-    lf_farm_words_add_list(&words, c->words);
-    lf_farm_words_add(&words, "--plan");
+    lf_farm_words_add(&words, "--plan"); /* before the user's words, whose last may want a value */
     lf_farm_words_add(&words, "--json");
     lf_farm_words_add(&words, "--threads");
     lf_farm_words_add(&words, "%d", o->threads > 0 ? o->threads : LF_FARM_THREADS);
@@ -209,6 +213,7 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
         lf_farm_words_add(&words, "--task-memory");
         lf_farm_words_add(&words, "%s", o->task_memory);
     }
+    lf_farm_words_add_list(&words, c->words);
     status = words.failed ? lf_farm_no_memory(RENDERER, err)
                           : lf_farm_process_read(words.list, &text, &code, err);
     lf_farm_words_finish(&words);

@@ -15,6 +15,7 @@
 #include "base/file.h"
 #include "base/number.h"
 #include "base/version.h"
+#include "daemon/farm/farm_file.h"
 
 /* The files of a step, as bits and by their endings. */
 enum { RECEIPT = 1, FAILED = 2, COST = 4, RUNNING = 8, ALL = 15 };
@@ -54,14 +55,7 @@ static void remove_file(const lf_farm_job *job, int step, int bit)
 /* A file of a receipt is there with its size. */
 static bool is_there(const lf_farm_job *job, const json_t *file)
 {
-    const char *name = json_string_value(json_object_get(file, "name"));
-    const json_t *bytes = json_object_get(file, "bytes");
-    struct stat found;
-    char *path = name ? lf_path_join(job->folder, name) : NULL;
-    const bool is = path && stat(path, &found) == 0 && S_ISREG(found.st_mode) &&
-                    json_is_integer(bytes) && found.st_size == json_integer_value(bytes);
-    lf_free(path);
-    return is;
+    return lf_farm_file_compare(job->folder, file, false) == LF_FARM_FILE_SAME;
 }
 
 static bool is_complete(const lf_farm_job *job, int step)
@@ -301,13 +295,16 @@ void lf_farm_result_tidy(const lf_farm_job *job, int step)
 }
 
 /* seen: an object whose keys are the names so far. */
-static void add_name(const lf_farm_job *job, const json_t *file, json_t *seen, json_t *names)
+static void add_name(const lf_farm_job *job, const json_t *file, bool if_differing, json_t *seen,
+                     json_t *names)
 {
     const char *name = json_string_value(json_object_get(file, "name"));
     char *path = name ? lf_path_join(job->folder, name) : NULL;
     if (path && !json_object_get(seen, path)) {
         json_object_set_new(seen, path, json_true());
-        json_array_append_new(names, json_string(path));
+        if (!if_differing ||
+            lf_farm_file_compare(job->folder, file, true) == LF_FARM_FILE_OTHER_BYTES)
+            json_array_append_new(names, json_string(path));
     }
     lf_free(path);
 }
@@ -318,18 +315,29 @@ static bool makes_output(const lf_farm_job *job, int step)
     return job->steps[step].rows[0] < 0 && (step >= job->n_tasks || !job->join);
 }
 
-json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results)
+/* results NULL: those that differ, of all steps. */
+static json_t *list_files(const lf_farm_job *job, const lf_farm_result *results)
 {
     json_t *names = json_array(), *seen = json_object();
     for (int i = 0; names && i < job->n_tasks + job->n_finishes; i++) {
-        if (!results[i].complete || !makes_output(job, i))
+        if ((results && !results[i].complete) || !makes_output(job, i))
             continue;
         json_t *receipt = object_of(job, i, RECEIPT), *file;
         size_t at;
         json_array_foreach(json_object_get(receipt, "files"), at, file)
-            add_name(job, file, seen, names);
+            add_name(job, file, !results, seen, names);
         json_decref(receipt);
     }
     json_decref(seen);
     return names;
+}
+
+json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results)
+{
+    return list_files(job, results);
+}
+
+json_t *lf_farm_result_differing(const lf_farm_job *job)
+{
+    return list_files(job, NULL);
 }

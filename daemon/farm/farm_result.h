@@ -49,5 +49,8 @@ void lf_farm_result_tidy(const lf_farm_job *job, int step);
 /* The absolute names of output files that complete steps have made, as an array; a new reference.
  * NULL = out of memory. */
 json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results);
+/* Reads all output files. Those whose bytes are not those of their receipts, as an array like the
+ * one before; a missing file, or one of another size, is not complete, and not among them. */
+json_t *lf_farm_result_differing(const lf_farm_job *job);
 
 #endif

@@ -9,6 +9,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "daemon/farm/farm_file.h"
 #include "daemon/farm/farm_process.h"
 #include "daemon/farm/farm_result.h"
 #include "daemon/output/options.h"
@@ -382,7 +383,9 @@ static lf_status run(runner *r, lf_error *err)
 {
     char words[sizeof *err];
     lf_farm_result_begin(r->job, r->step);
-    lf_status status = r->step < r->job->n_tasks ? run_task(r, err) : run_finish(r, err);
+    lf_status status = lf_farm_check_same(r->job, err);
+    if (status == LF_OK)
+        status = r->step < r->job->n_tasks ? run_task(r, err) : run_finish(r, err);
     const bool complete = is_complete(r->job, r->step); /* by another run, perhaps */
     if (status == LF_OK && !complete)
         status = lf_error_set(err, LF_E_STATE, RENDERER, "ended well, but its files are missing");

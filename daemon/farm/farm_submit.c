@@ -1,12 +1,15 @@
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
 #include "base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/farm_engine.h"
+#include "daemon/farm/farm_file.h"
 #include "daemon/farm/farm_process.h"
 #include "daemon/farm/farm_run.h"
 
@@ -60,6 +63,25 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
     }
     lf_free(results);
     return out->wanted ? LF_OK : lf_farm_no_memory(job->path, err);
+}
+
+/* Removes output files that are not as their receipts say, so that their steps are not complete. */
+static lf_status remove_differing(const lf_farm_job *job, lf_error *err)
+{
+    json_t *names = lf_farm_result_differing(job);
+    lf_status status = names ? LF_OK : lf_farm_no_memory(job->path, err);
+    const json_t *entry;
+    size_t i;
+    json_array_foreach(names, i, entry)
+    {
+        const char *name = json_string_value(entry);
+        lf_log(LF_LOG_INFO, "%s: is not as rendered; it is made again", name);
+        if (unlink(name) != 0 && status == LF_OK)
+            status =
+                lf_error_set(err, LF_E_IO, name, "cannot be removed: %s", lf_errno_text(errno));
+    }
+    json_decref(names);
+    return status;
 }
 
 /* LF_E_BUSY: the engine has steps of this job, or of a removed one of the same name. */
@@ -139,11 +161,15 @@ static lf_status submit(const lf_farm_command *c, bool forgives, lf_error *err)
     selection s = {0};
     lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
+        status = lf_farm_check_release(&job, err);
+    if (status == LF_OK)
         status = lf_farm_job_lock(&job, err);
     if (status == LF_OK)
         status = lf_farm_job_read(&job, SENT, &before, err);
     if (status == LF_OK)
         status = check_idle(&job, before, err);
+    if (status == LF_OK && c->options->check)
+        status = remove_differing(&job, err);
     if (status == LF_OK)
         status = select_steps(&job, forgives, &s, err);
     if (status == LF_OK && !(record = new_record(c, forgives ? before : NULL)))

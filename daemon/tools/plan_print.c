@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/version.h"
 #include "daemon/tools/plan.h"
+#include "daemon/tools/plan_inputs.h"
 
 /* ------------------------------------------------------------------------------------- words -- */
 
@@ -344,12 +346,22 @@ static json_t *plan_json(const lf_rendering *r, const lf_plan *plan)
         finishes_json(&plan->division));
     if (object && plan->frames)
         json_object_set_new(object, "join", lf_plan_join_command(r, plan));
+    if (object)
+        json_object_set_new(object, "quiltd", json_string(LF_VERSION));
     return object;
 }
 
 lf_status lf_plan_print_json(const lf_rendering *r, const lf_plan *plan, lf_error *err)
 {
+    json_t *inputs = NULL;
+    const lf_status status = lf_plan_inputs_end(&inputs, err);
+    if (status != LF_OK)
+        return status;
     json_t *object = plan_json(r, plan);
+    if (!object || json_object_set_new(object, "inputs", inputs) != 0) {
+        json_decref(object);
+        object = NULL;
+    }
     const bool is_done =
         object && json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) == 0;
     json_decref(object);

@@ -40,6 +40,26 @@ static void a_step_is_complete_while_its_files_have_their_sizes(void **state)
     says(folder, DIRECT " && " SAME, 0, "");
 }
 
+/* A disk may change bytes of a file, and keep its size. */
+static void a_check_finds_bytes_that_differ_and_resume_repairs_them(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, EVERYTHING " && bin/quiltfarm status job --check", 0, "complete");
+    says(folder, "sed -i 's/^1 3 /1 4 /' out/field_0001.txt; bin/quiltfarm status job", 0,
+         "complete");
+    says(folder, "bin/quiltfarm status job --check", 1,
+         "job: 1 output file is not as rendered; quiltfarm resume --check makes it again");
+    says(folder, "bin/quiltfarm status job --check", 1, "/out/field_0001.txt\n");
+    says(folder, "bin/quiltfarm status job --check --json 2> /dev/null | tr -d ' \n'", 0,
+         "\"differing\":[\"/");
+    says(folder, "bin/quiltfarm resume job", 0, "job: complete");
+    says(folder, "bin/quiltfarm resume job --check", 0, "is made again");
+    assert_non_null(strstr(got.text, "/job 2\n"));
+    assert_null(strstr(got.text, "/job 1\n"));
+    says(folder, EVERYTHING " && bin/quiltfarm status job --check && " DIRECT " && " SAME, 0, "");
+}
+
 static void only_what_is_missing_is_sent(void **state)
 {
     const char *folder = *state;
@@ -203,6 +223,42 @@ static void a_signal_to_all_processes_saves_the_state(void **state)
     assert_true(is_there(folder, "job/states/task_0_0000.lfstate"));
 }
 
+/* Hours pass between two tasks. */
+static void a_file_that_changed_since_the_plan_is_told(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "echo one > cloud; sed -i '1s/{/{\"inputs\": [\"scene.json\", \"cloud\"],/' scene.json", 0,
+         "");
+    plan(folder);
+    says(folder, "bin/quiltfarm task job 0", 0, "is complete");
+    says(folder, "echo two > cloud; bin/quiltfarm task job 1", 1,
+         "cloud: has changed since the job was planned; restore it, or plan a new job");
+    assert_failed(folder, "cloud: has changed");
+    says(folder, "echo more >> cloud; bin/quiltfarm task job 1", 1, "cloud: has changed");
+    says(folder, "rm cloud; bin/quiltfarm task job 1", 1, "cloud: is missing since");
+    says(folder, "echo one > cloud; touch -d yesterday scene.json; sh -e job/tasks", 0,
+         "task 4 is complete");
+    says(folder, "echo ' ' >> scene.json; bin/quiltfarm merge job", 1, "scene.json: has changed");
+    assert_false(is_there(folder, "out/field_0000.txt"));
+}
+
+static void another_release_is_told(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, "echo 1.1 > bin/release; bin/quiltfarm task job 0", 1,
+         "quiltrender: is release 1.1, and the job was planned with 1.0; use that release");
+    assert_failed(folder, "is release 1.1");
+    says(folder, "rm bin/release; bin/quiltfarm task job 0", 0, "is complete");
+    says(folder,
+         "sed -i '0,/\"quiltd\": \"[0-9.]*\"/s//\"quiltd\": \"0.0.1\"/' job/job.json; "
+         "bin/quiltfarm task job 1",
+         1, "quiltfarm: is release ");
+    says(folder, "bin/quiltfarm submit job", 1, "the job was planned with 0.0.1");
+    says(folder, "bin/quiltfarm status job", 0, "1 of 5 complete");
+}
+
 /* ---------------------------------------------------------------------------------- mistakes -- */
 
 static void mistakes_on_the_command_line_are_told(void **state)
@@ -211,6 +267,16 @@ static void mistakes_on_the_command_line_are_told(void **state)
     says(folder, "bin/quiltfarm", 2, "COMMAND: is missing; see --help");
     says(folder, "bin/quiltfarm sbumit job", 2, "did you mean submit?");
     says(folder, "bin/quiltfarm status", 2, "status: expects JOB");
+    says(folder, "bin/quiltfarm status a b", 2, "b: is one word too many; status expects JOB");
+    says(folder, "bin/quiltfarm status job --slots 3", 2, "status: takes no --slots");
+    says(folder, "bin/quiltfarm merge job --check", 2, "merge: takes no --check");
+    says(folder, "bin/quiltfarm plan job scene.json -o out", 2,
+         "-o: is no word of quiltfarm plan; pass words of quiltrender after --");
+    says(folder, "bin/quiltfarm plan job scene.json", 2,
+         "scene.json: is no word of quiltfarm plan");
+    says(folder, "bin/quiltfarm resume job -p long", 2,
+         "-p: is no word of quiltfarm resume; pass words of sbatch or parallel after --");
+    says(folder, "bin/quiltfarm plan job -- scene.json -o", 2, "-o: expects an argument");
     says(folder, "bin/quiltfarm status job -- more", 2, "takes no words after --");
     says(folder, "bin/quiltfarm status job", 1, "there is no such folder");
     says(folder, "bin/quiltfarm plan job", 2, "pass it as -- SCENE -o OUT");
@@ -596,6 +662,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         in_folder(tasks_and_a_merge_make_what_one_run_makes),
         in_folder(a_step_is_complete_while_its_files_have_their_sizes),
+        in_folder(a_check_finds_bytes_that_differ_and_resume_repairs_them),
         in_folder(only_what_is_missing_is_sent),
         in_folder(an_older_state_of_a_lost_machine_is_not_merged),
         in_folder(a_damaged_state_is_made_again),
@@ -606,6 +673,8 @@ int main(void)
         in_folder(an_interrupted_task_goes_on_from_its_state),
         in_folder(a_task_that_could_not_save_has_failed),
         in_folder(a_signal_to_all_processes_saves_the_state),
+        in_folder(a_file_that_changed_since_the_plan_is_told),
+        in_folder(another_release_is_told),
         in_folder(mistakes_on_the_command_line_are_told),
         in_folder(a_folder_that_holds_the_scene_becomes_a_job),
         in_folder(the_whole_path_is_checked_for_what_schedulers_replace),

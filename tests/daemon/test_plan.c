@@ -111,6 +111,48 @@ static void rows_of_cameras_are_tasks(void **state)
     json_decref(p);
 }
 
+/* The note of a file among the inputs of a plan; NULL: it is not there. */
+static const json_t *input(const json_t *p, const char *folder, const char *name)
+{
+    const char *path = lf_test_path(folder, name);
+    size_t i;
+    const json_t *entry;
+    json_array_foreach(json_object_get(p, "inputs"), i, entry)
+    {
+        if (strcmp(json_string_value(json_object_get(entry, "name")), path) == 0)
+            return entry;
+    }
+    return NULL;
+}
+
+/* Tasks see by these notes whether a file has changed: of the scene, of what it includes and reads.
+ */
+static void a_plan_notes_the_files_that_it_has_read(void **state)
+{
+    const qr_files *f = *state;
+    const char *scene = lf_test_write(
+        f->folder, "shown.json",
+        "{ \"include\": \"fog.json\", \"meshes\": { \"one\": { \"file\": \"one.obj\" } } }\n");
+    lf_test_write(f->folder, "one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    json_t *p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE, scene, f->folder);
+    assert_int_equal(count(p, "inputs"), 3);
+    assert_non_null(input(p, f->folder, "shown.json"));
+    assert_non_null(input(p, f->folder, "fog.json"));
+    const json_t *mesh = input(p, f->folder, "one.obj");
+    assert_int_equal(whole_of(mesh, "bytes"), 32);
+    assert_string_equal(json_string_value(json_object_get(mesh, "sha256")),
+                        "697b00ab13410c52a542d2e9c63711fcc04e9cbf6c0d3439a9b43cc812e6e713");
+    assert_true(json_is_string(json_object_get(p, "quiltd")));
+    /* a large file has no hash, so that tasks do not read it twice */
+    assert_int_equal(truncate(lf_test_path(f->folder, "one.obj"), (16 << 20) + 1), 0);
+    json_decref(p);
+    p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE, scene, f->folder);
+    mesh = input(p, f->folder, "one.obj");
+    assert_int_equal(whole_of(mesh, "bytes"), (16 << 20) + 1);
+    assert_null(json_object_get(mesh, "sha256"));
+    json_decref(p);
+}
+
 /* Without a limit the job is one task, which names its light fields. */
 static void a_short_job_is_one_task(void **state)
 {
@@ -420,6 +462,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(rows_of_cameras_are_tasks, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_plan_notes_the_files_that_it_has_read, qr_set_up,
+                                        qr_tear_down),
         cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(other_light_fields_stay_whole, qr_set_up, qr_tear_down),
