@@ -41,6 +41,7 @@ static bool can_be_reached(const lf_farm_job *job, const lf_farm_result *results
     return true;
 }
 
+/* Nobody has a step of this job any more, so a run that did not end was killed. */
 static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *out, lf_error *err)
 {
     const int n = job->n_tasks + job->n_finishes;
@@ -50,9 +51,11 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
         return status;
     out->wanted = lf_calloc((size_t)n, sizeof *out->wanted);
     for (int i = 0; i < n && out->wanted; i++) {
-        const bool given_up = results[i].failures >= LF_FARM_MOST_FAILURES && !forgives;
         if (results[i].complete)
             continue;
+        if (results[i].is_running || results[i].is_lost)
+            lf_farm_result_abandon(job, i, &results[i]);
+        const bool given_up = results[i].failures >= LF_FARM_MOST_FAILURES && !forgives;
         if (results[i].failures > 0 && forgives)
             lf_farm_result_forgive(job, i);
         out->n_given_up += given_up;
@@ -93,10 +96,17 @@ static lf_status check_idle(const lf_farm_job *job, const json_t *sent, lf_error
     const int n = queue.n_queued + queue.n_running;
     json_decref(nothing);
     lf_farm_queue_finish(&queue);
-    if (status == LF_OK && n > 0)
+    if (status == LF_OK && job->engine->check)
+        status = job->engine->check(job, sent, err);
+    if (status == LF_OK && n > 0 && job->engine == &lf_farm_slurm)
         status = lf_error_set(err, LF_E_BUSY, job->path,
                               "was submitted already: %s has %d of its steps; see quiltfarm status",
                               job->engine->name, n);
+    else if (status == LF_OK && n > 0)
+        status = lf_error_set(err, LF_E_BUSY, job->path,
+                              "%d of its steps run, or were lost in the last 5 minutes; end them, "
+                              "or try again later",
+                              n);
     return status;
 }
 
@@ -200,7 +210,7 @@ lf_status lf_farm_cancel(const lf_farm_command *c, lf_error *err)
     lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
         status = lf_farm_job_read(&job, SENT, &sent, err);
-    if (status == LF_OK && !sent)
+    if (status == LF_OK && !sent && job.engine != &lf_farm_slurm)
         status = lf_error_set(err, LF_E_STATE, job.path, "was not submitted");
     if (status == LF_OK)
         status = job.engine->cancel(&job, sent, err);

@@ -347,13 +347,31 @@ static void memory_grows_with_rows(void **state)
     json_t *p = plan("--plan --json --task-memory 1K %s -o %s/large.exr --spp 1 --denoise off "
                      "--views 40 --view-size 160x64 --threads 1 ",
                      f->scene, f->folder);
-    const json_int_t row = whole_of(p, "state_bytes"), image = 40 * 160 * 64 * 12,
+    const json_int_t row = whole_of(p, "state_bytes") / 4, image = 40 * 160 * 64 * 12,
                      all = whole_of(item(p, "finishes", 0), "memory"),
                      band = whole_of(item(p, "tasks", 0), "memory");
-    assert_int_equal(count(p, "tasks"), 64);
-    assert_true(all - band >= 63 * row + image);
+    assert_int_equal(count(p, "tasks"), 16);
+    assert_true(all - band >= 60 * row + image);
     assert_true(whole_of(p, "memory") == all);
     json_decref(p);
+}
+
+static void memory_that_cannot_be_met_is_told(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "--plan --json --task-memory 1K %s -o %s/one.png --spp 2 " SIZE, f->scene,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    if (!strstr(o.err, "--task-memory: the smallest task needs ") ||
+        !strstr(o.err, " MB, and 0 MB were asked for"))
+        fail_msg("\"%s\"", o.err);
+    qr_run(&o, "--plan --json --task-memory 1000G %s -o %s/one.png --spp 2 " SIZE, f->scene,
+           f->folder);
+    assert_null(strstr(o.err, "the smallest task"));
+    qr_run(&o, "--plan --task-memory 1K %s -o %s/one.png --spp 2 " SIZE, f->scene, f->folder);
+    assert_non_null(strstr(o.out, "# memory of a task "));
+    assert_non_null(strstr(o.out, "# memory of a finish "));
 }
 
 static void wrong_plans_are_one_line(void **state)
@@ -474,6 +492,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_video_is_frames_and_a_finish, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(sizes_of_states_are_exact, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(memory_grows_with_rows, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(memory_that_cannot_be_met_is_told, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,
