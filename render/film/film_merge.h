@@ -53,7 +53,8 @@ LF_NODISCARD lf_status lf_merging_add(lf_merging *merging, int fd, const char *p
                                       lf_merging_file *out, lf_error *err);
 
 /* Puts the files into their order and finds copies: films with the same bytes count once.
- * LF_E_STATE if a row has samples of the same stream in two films, or no film has any. */
+ * LF_E_STATE if a row has samples of the same stream in two films, or rows of two films have the
+ * same passes of a stream in different visits, or no film has any. */
 LF_NODISCARD lf_status lf_merging_arrange(lf_merging *merging, lf_merging_total *out,
                                           lf_error *err);
 /* The k-th file in the order, k from 0 to the number of calls of lf_merging_add - 1. */
