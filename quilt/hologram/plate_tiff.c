@@ -64,7 +64,6 @@ static bool make_profile(bool is_grey, profile *out)
 }
 
 /* --------------------------------------------------------------------------------- directory -- */
- */
 
 static void put(uint32_t value, int bytes, uint8_t *out)
 {
