@@ -107,7 +107,7 @@ LF_NODISCARD lf_status lf_rendering_check_picture(const lf_rendering *r, int fra
 /* Checks that the files of the current frame, which are kept, have the settings of this job.
  * LF_E_STATE. */
 LF_NODISCARD lf_status lf_rendering_check_kept(const lf_rendering *r, lf_error *err);
-/* Adds to the settings of a frame what others are compared by: its budget, and whether the
+/* Adds to the settings of a picture what frames are compared by: its budget, and whether the
  * exposure has keys. */
 void lf_rendering_note_made(const lf_rendering *r, json_t *made);
 /* Reads the picture of the current frame in place of the one before. LF_E_FORMAT: it has other
