@@ -576,6 +576,11 @@ lf_scene *lf_renderer_scene(const lf_renderer *renderer);
  * continue the accumulation of the other. Also false without memory. */
 bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf_scene *b,
                      const lf_render_settings *of_b);
+/* Hash of all that defines the image of these settings, except random numbers, as 64 hexadecimal
+ * digits and a 0: what the scene shows, volume files, rig, and settings. LF_E_NOMEM. */
+#define LF_PICTURE_HASH 65
+LF_NODISCARD lf_status lf_picture_hash(const lf_scene *scene, const lf_render_settings *settings,
+                                       char out[static LF_PICTURE_HASH]);
 /* Save and restore the accumulation (kind "state": --state), in the format of film/film_file.h. A
  * state holds the sums, a hash of what they show (scene, volume files, rig and settings without the
  * seed), and which visits of which random streams are included. lf_renderer_save writes through

@@ -145,6 +145,17 @@ bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf
            memcmp(pictures[0], pictures[1], LF_PICTURE_BYTES) == 0;
 }
 
+lf_status lf_picture_hash(const lf_scene *scene, const lf_render_settings *settings,
+                          char out[static LF_PICTURE_HASH])
+{
+    uint8_t picture[LF_PICTURE_BYTES];
+    const lf_status status = lf_renderer_identify(
+        scene, settings, settings->integrator ? settings->integrator : "", picture);
+    for (size_t i = 0; i < LF_PICTURE_BYTES && status == LF_OK; i++)
+        snprintf(out + 2 * i, 3, "%02x", picture[i]);
+    return status;
+}
+
 lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel,
                            lf_error *err)
 {

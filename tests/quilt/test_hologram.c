@@ -201,7 +201,7 @@ static lf_status write_plate(const lf_plate *plate, const char *folder, const fi
     lf_status status = lf_plate_begin(plate, folder, facts, false, err);
     assert_non_null(samples);
     for (int task = lf_plate_tasks(plate) - 1; task >= 0 && status == LF_OK; task--) {
-        assert_false(lf_plate_has_task(plate, folder, task));
+        assert_false(lf_plate_has_task(plate, folder, facts, task));
         for (int i = 0; i < n * plate->height * plate->width; i++) {
             const lf_plate_sample s = {lf_plate_task_row(plate, task),
                                        lf_plate_task_first(plate, task) +
@@ -211,8 +211,8 @@ static lf_status write_plate(const lf_plate *plate, const char *folder, const fi
             for (int b = 0; b < bytes; b++)
                 samples[i * bytes + b] = byte_of(*at(&want, p.hy, p.hx, p.v, p.u), b);
         }
-        status = lf_plate_write_task(plate, folder, task, samples, &plain_run, err);
-        assert_true(status != LF_OK || lf_plate_has_task(plate, folder, task));
+        status = lf_plate_write_task(plate, folder, facts, task, samples, &plain_run, err);
+        assert_true(status != LF_OK || lf_plate_has_task(plate, folder, facts, task));
     }
     if (status == LF_OK)
         status = lf_plate_finish(plate, folder, facts, &plain_run, err);
@@ -356,7 +356,8 @@ static void one_row_of_directions_has_plain_names(void **state)
             assert_int_equal(image.data[3 * k], byte_of(*at(&meaning, k / 5, k % 5, 0, u), 0));
         lf_image8_finish(&image);
     }
-    assert_int_not_equal(access(lf_test_path(path, "rows"), F_OK), 0);
+    assert_int_equal(access(lf_test_path(path, "rows/r002.json"), F_OK), 0);
+    assert_int_not_equal(access(lf_test_path(path, "rows/r000.raw"), F_OK), 0);
     plate.form = LF_PLATE_RAW;
     snprintf(path, sizeof path, "%s/row_raw", folder);
     lf_assert_ok(write_plate(&plate, path, &meaning, &err), &err);
@@ -546,12 +547,12 @@ static void damaged_rows_are_told(void **state)
     assert_true(fd >= 0);
     const off_t whole = lseek(fd, 0, SEEK_END);
     assert_int_equal(ftruncate(fd, whole - 1), 0);
-    assert_false(lf_plate_has_task(&plate, path, 1));
+    assert_false(lf_plate_has_task(&plate, path, facts, 1));
     assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_FORMAT);
     assert_int_equal(ftruncate(fd, whole), 0);
-    assert_true(lf_plate_has_task(&plate, path, 1));
+    assert_true(lf_plate_has_task(&plate, path, facts, 1));
     assert_int_equal(pwrite(fd, "x", 1, 20), 1); /* another number of cameras */
-    assert_false(lf_plate_has_task(&plate, path, 1));
+    assert_false(lf_plate_has_task(&plate, path, facts, 1));
     assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_FORMAT);
     assert_non_null(strstr(err.where, "rows/r001.raw"));
     assert_int_equal(ftruncate(fd, 100), 0);
