@@ -56,6 +56,8 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
         lf_status status = take_frame(r, frame, &kept, err);
         if (status == LF_OK && !kept && check_frame(r, frame, err) != LF_OK)
             status = lf_rendering_tell_frame(frame, frames->first, err);
+        if (status == LF_OK && kept)
+            status = lf_rendering_check_kept(r, err);
         if (status != LF_OK)
             return status;
         n_kept += kept;
