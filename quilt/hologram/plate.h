@@ -39,6 +39,11 @@ char *lf_plate_picture_name(const lf_plate *plate, int i, int j);
 LF_NODISCARD lf_status lf_plate_picture_write(const lf_plate *plate, const char *path, int width,
                                               int height, const uint8_t *samples, lf_error *err);
 
+/* The same into an open file, for LF_PLATE_TIFF: with the resolution of the plate, if it is known,
+ * and an ICC profile, sRGB or linear grey. LF_E_ARG: too large for a TIFF. */
+LF_NODISCARD lf_status lf_plate_tiff_write(const lf_plate *plate, lf_outfile *file, int width,
+                                           int height, const uint8_t *samples, lf_error *err);
+
 /* Half floats, rounded to nearest, ties to even. Beyond the range: the largest; NaN: 0. */
 uint16_t lf_plate_half(float value);
 float lf_plate_half_value(uint16_t half);

@@ -14,55 +14,7 @@
 
 #define MOST_JSON_BYTES ((uint64_t)1 << 30)
 
-/* ------------------------------------------------------------------------------- conventions -- */
-
-static json_t *flips_json(const lf_plate_flips *flips)
-{
-    return json_pack("{s:b, s:b, s:b, s:b, s:b}", "u", flips->u, "v", flips->v, "hx", flips->hx,
-                     "hy", flips->hy, "transpose", flips->transpose);
-}
-
-static json_t *samples_json(const lf_plate *plate)
-{
-    const bool is_linear = plate->format == LF_PLATE_EXR || plate->is_grey;
-    return json_pack(
-        "{s:s, s:i, s:s, s:s, s:s}", "channels", plate->is_grey ? "Y" : "RGB", "bits",
-        plate->format == LF_PLATE_PNG ? 8 : 16, "type",
-        plate->format == LF_PLATE_EXR ? "half" : "uint", "encoding", is_linear ? "linear" : "sRGB",
-        "profile", is_linear ? "linear, primaries of Rec. 709, white D65" : "sRGB (IEC 61966-2-1)");
-}
-
-static const char *layout_words(const lf_plate *plate)
-{
-    const lf_plate_place n = lf_plate_size(plate);
-    if (plate->form == LF_PLATE_RAW)
-        return "plate.raw: [hy][hx][v][u][channel]";
-    if (plate->form == LF_PLATE_HOGELS)
-        return "hogels/rHY/cHX: row v, column u";
-    if (n.v == 1 || n.u == 1)
-        return n.v == 1 ? "views/view_U: row hy, column hx" : "views/view_V: row hy, column hx";
-    return "views/rV/cU: row hy, column hx";
-}
-
-json_t *lf_plate_describe(const lf_plate *plate, const json_t *facts)
-{
-    const lf_plate_place n = lf_plate_size(plate);
-    json_t *made = json_pack(
-        "{s:i, s:s, s:s, s:s, s:[i,i], s:[i,i], s:s, s:s, s:o, s:o, s:s}", "quiltd_hologram", 1,
-        "kind", plate->camera_is_cell ? "H" : "V", "form", lf_plate_forms[plate->form], "parallax",
-        (plate->camera_is_cell ? plate->height : plate->rows) == 1 ? "hpo" : "full", "hogels", n.hx,
-        n.hy, "directions", n.u, n.v, "axes",
-        "hx right and hy down, as the viewer sees the plate; u right and v down, as eye positions",
-        "view_0", "the leftmost eye, of the topmost row", "flips", flips_json(&plate->flips),
-        "samples", samples_json(plate), "layout", layout_words(plate));
-    json_t *known = json_deep_copy(facts);
-    if (!made || !known || json_object_update(made, known) != 0) {
-        json_decref(made);
-        made = NULL;
-    }
-    json_decref(known);
-    return made;
-}
+/* ----------------------------------------------------------------------------- what is there -- */
 
 lf_status lf_plate_save(const char *folder, const char *name, const json_t *object, lf_error *err)
 {

@@ -254,8 +254,7 @@ static void printers_have_rigs(void **state)
     assert_string_equal(json_string_value(json_object_get(m, "kind")), "V");
     assert_string_equal(json_string_value(json_object_get(m, "parallax")), "hpo");
     lf_assert_close(number(m, "plate_mm", NULL, 0), 101.6, 1e-12, 0);
-    lf_assert_close(number(m, "hogel_pitch_mm", NULL, 1), 1, 1e-12, 0);
-    lf_assert_close(number(m, "pixel_pitch_mm", NULL, 1), 12.7, 1e-12, 0);
+    lf_assert_close(number(m, "hogel_pitch_mm", NULL, 1), 12.7, 1e-12, 0);
     lf_assert_close(number(m, "plate", NULL, 0) / number(m, "plate", NULL, 1), 0.8, 1e-9, 0);
     lf_assert_close(number(m, "mm_per_unit", NULL, 0) * number(m, "plate", NULL, 0), 101.6, 1e-9,
                     0);
@@ -273,6 +272,57 @@ static void printers_have_rigs(void **state)
     m = manifest_of(folder);
     assert_int_equal(number(m, "directions", NULL, 0), 5);
     lf_assert_close(number(m, "plate", NULL, 0) / number(m, "plate", NULL, 1), 0.5, 1e-9, 0);
+    json_decref(m);
+}
+
+/* The printer's hogels are of 1 mm, whatever pixels it is sent. */
+static void hogels_of_a_printer_are_not_pixels(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    qr_outcome o;
+    snprintf(folder, sizeof folder, "%s/fine", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --plate-size 4x5 "
+               "--view-size 16x20 --spp 1 --plate-format tiff",
+               f->scene, folder);
+    json_t *m = manifest_of(folder);
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(number(m, "hogels", NULL, i), 4 + i);
+        assert_int_equal(number(m, "pixels", NULL, i), 16 + 4 * i);
+        lf_assert_close(number(m, "hogel_pitch_mm", NULL, i), 1, 1e-12, 0);
+        lf_assert_close(number(m, "pixel_pitch_mm", NULL, i), 0.25, 1e-12, 0);
+    }
+    assert_non_null(strstr(json_string_value(json_object_get(m, "preset_note")), "not published"));
+    const double pixels = number(m, "shift", "farthest", 0);
+    json_decref(m);
+    snprintf(folder, sizeof folder, "%s/coarse", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --plate-size 4x5 "
+               "--view-size 4x5 --spp 1",
+               f->scene, folder);
+    m = manifest_of(folder);
+    assert_null(json_object_get(m, "pixels"));
+    lf_assert_close(number(m, "shift", "farthest", 0), pixels, 1e-3, 0);
+    json_decref(m);
+    qr_run(&o,
+           "%s -o %s/ --hologram raw --hologram-preset litiholo --plate-size 4x5 --view-size 16x20",
+           f->scene, folder);
+    qr_assert_fails(&o, 2, "the printer makes 4x5 hogels from finer pixels; use --hologram views");
+}
+
+/* A printer's angle is its own. */
+static void depthiness_does_not_bend_a_printer(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    const char *flat = lf_test_write(
+        f->folder, "flat.json", "{\"include\": \"fog.json\", \"camera\": {\"depthiness\": 0.5}}");
+    snprintf(folder, sizeof folder, "%s/bent", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --view-size 8x10 "
+               "--spp 1",
+               flat, folder);
+    json_t *m = manifest_of(folder);
+    lf_assert_close(number(m, "cameras", "positions", 2),
+                    number(m, "cameras", "distance", 0) * tan(22.5 * M_PI / 180), 1e-9, 0);
     json_decref(m);
 }
 
@@ -332,6 +382,37 @@ static void depth_is_told(void **state)
         assert_int_equal(o.code, 0);
         if (cases[i].words ? !strstr(o.err, cases[i].words) : !!strstr(o.err, "cells from view"))
             fail_msg("case %zu: %s", i, o.err);
+    }
+}
+
+/* Rows that are farther from each other than columns shift more. */
+static void depth_is_told_from_row_to_row(void **state)
+{
+    static const char *const windows[] = {"shared", "own"};
+    const qr_files *f = *state;
+    qr_outcome o;
+    for (int i = 0; i < 2; i++) {
+        char text[1024], folder[PATH_MAX];
+        snprintf(text, sizeof text,
+                 "{\"camera\": {\"position\": [0, 0, 5], \"fov_y\": 30, \"aspect\": 1, "
+                 "\"views\": {\"grid\": {\"columns\": 5, \"rows\": 3, \"width\": 0.4, "
+                 "\"height\": 3, \"window\": \"%s\"}}}, \"meshes\": {\"ball\": {\"shape\": "
+                 "\"sphere\", \"transform\": {\"scale\": 0.01, \"translate\": [0, 0, -1.5]}}}, "
+                 "\"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}",
+                 windows[i]);
+        snprintf(folder, sizeof folder, "%s/high_%d", f->folder, i);
+        const char *scene = lf_test_write(f->folder, "high.json", text);
+        qr_run(&o, "%s -o %s/ --hologram views --view-size %s --spp 1", scene, folder,
+               i ? "16x8" : "96x48");
+        assert_int_equal(o.code, 0);
+        json_t *m = manifest_of(folder);
+        /* steps of 0.1 and 1.5; a cell or direction is half as wide as high */
+        const double ratio = number(m, "shift", "farthest", 1) / number(m, "shift", "farthest", 0);
+        lf_assert_close(ratio, i ? 2 * 0.1 / 1.5 : 0.5 * 1.5 / 0.1, 1e-9, 0);
+        json_decref(m);
+        if (i == 0)
+            assert_non_null(strstr(o.err, "cells from row to row; above 4 they are soft; use more "
+                                          "rows or less depth"));
     }
 }
 
@@ -407,8 +488,11 @@ int main(void)
         cmocka_unit_test(a_plan_with_bands_makes_the_plate),
         cmocka_unit_test(receipts_list_the_files),
         cmocka_unit_test(printers_have_rigs),
+        cmocka_unit_test(hogels_of_a_printer_are_not_pixels),
+        cmocka_unit_test(depthiness_does_not_bend_a_printer),
         cmocka_unit_test(a_long_track_is_one_row_of_eyes),
         cmocka_unit_test(depth_is_told),
+        cmocka_unit_test(depth_is_told_from_row_to_row),
         cmocka_unit_test(cells_say_what_they_do_not_see),
         cmocka_unit_test(mistakes_are_told),
     };

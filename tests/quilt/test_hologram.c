@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <lcms2.h>
 #include <tiffio.h>
 
 #include "base/alloc.h"
@@ -444,6 +445,63 @@ static void halfs_are_rounded_to_nearest(void **state)
     assert_int_equal(lf_plate_half(NAN), 0);
 }
 
+/* The middle of the codes is 0.214 of the light in sRGB, and half of it in linear grey. */
+static void check_profile(const void *bytes, uint32_t size, bool is_grey)
+{
+    const uint16_t in[3] = {32768, 32768, 32768};
+    double xyz[3] = {0};
+    cmsHPROFILE from = cmsOpenProfileFromMem(bytes, size), to = cmsCreateXYZProfile();
+    assert_non_null(from);
+    assert_int_equal(cmsGetColorSpace(from), is_grey ? cmsSigGrayData : cmsSigRgbData);
+    cmsHTRANSFORM way =
+        cmsCreateTransform(from, is_grey ? TYPE_GRAY_16 : TYPE_RGB_16, to, TYPE_XYZ_DBL,
+                           INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOOPTIMIZE);
+    assert_non_null(way);
+    cmsDoTransform(way, in, xyz, 1);
+    lf_assert_close(xyz[1], is_grey ? 0.5 : 0.2140, 0.005, 0);
+    cmsDeleteTransform(way);
+    cmsCloseProfile(to);
+    cmsCloseProfile(from);
+}
+
+/* Resolution, and what codes mean. */
+static void tiffs_say_size_and_colour(void **state)
+{
+    const char *folder = *state;
+    const field cells = of_cells();
+    lf_error err = {0};
+    char path[PATH_MAX];
+    for (int i = 0; i < 8; i++) {
+        const bool is_view = i & 1, is_grey = i & 2, is_known = i & 4;
+        lf_plate plate = plate_of(true, "");
+        plate.form = is_view ? LF_PLATE_VIEWS : LF_PLATE_HOGELS;
+        plate.format = LF_PLATE_TIFF;
+        plate.is_grey = is_grey;
+        plate.per_metre[0] = is_known ? 15748 : 0;
+        plate.per_metre[1] = is_known ? 16000 : 0;
+        snprintf(path, sizeof path, "%s/says_%d", folder, i);
+        lf_assert_ok(write_plate(&plate, path, &cells, &err), &err);
+        TIFF *tiff = TIFFOpen(is_view ? lf_test_path(path, "views/r003/c0004.tif")
+                                      : hogel_name(path, 1, 2, "tif"),
+                              "r");
+        float across = 0, down = 0;
+        uint16_t unit = 0;
+        uint32_t size = 0;
+        void *bytes = NULL;
+        assert_non_null(tiff);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &across), 1);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &down), 1);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_RESOLUTIONUNIT, &unit), 1);
+        const bool has_size = is_known && is_view; /* pixels of hogels are directions */
+        assert_int_equal(unit, has_size ? RESUNIT_CENTIMETER : RESUNIT_NONE);
+        lf_assert_close((double)across, has_size ? 157.48 : 1, 1e-6, 0);
+        lf_assert_close((double)down, has_size ? 160 : 1, 1e-6, 0);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &bytes), 1);
+        check_profile(bytes, size, is_grey);
+        TIFFClose(tiff);
+    }
+}
+
 /* 16 bits hold sRGB codes, and grey is linear luminance. */
 static void samples_are_encoded_as_the_page_says(void **state)
 {
@@ -612,6 +670,7 @@ int main(void)
         cmocka_unit_test(one_row_of_directions_has_plain_names),
         cmocka_unit_test(formats_keep_every_bit),
         cmocka_unit_test(halfs_are_rounded_to_nearest),
+        cmocka_unit_test(tiffs_say_size_and_colour),
         cmocka_unit_test(samples_are_encoded_as_the_page_says),
         cmocka_unit_test(the_manifest_names_every_file),
         cmocka_unit_test(rows_of_another_plate_are_refused),

@@ -231,6 +231,89 @@ static void pictures_of_nobody_are_refused(void **state)
     json_decref(facts);
 }
 
+/* ------------------------------------------------------------------------------- conventions -- */
+
+static const char *text(const json_t *object, const char *a, const char *b)
+{
+    const json_t *value = json_object_get(object, a);
+    value = b ? json_object_get(value, b) : value;
+    assert_true(json_is_string(value));
+    return json_string_value(value);
+}
+
+/* How the camera changes from one direction to the next: eyes of rows count from the lowest. */
+static const char *eyes_along(const lf_plate *plate, lf_plate_place next)
+{
+    const lf_plate_sample a = lf_plate_sample_at(plate, (lf_plate_place){0, 0, 0, 0}),
+                          b = lf_plate_sample_at(plate, next);
+    return b.column > a.column   ? "eyes from left to right"
+           : b.column < a.column ? "eyes from right to left"
+           : b.row < a.row       ? "eyes from top to bottom"
+                                 : "eyes from bottom to top";
+}
+
+/* What a manifest says is true of the files, whatever was flipped. */
+static void words_are_of_the_files_as_written(void **state)
+{
+    static const char *const words[] = {"u", "v", "hx", "hy", "transpose"};
+    (void)state;
+    for (int list = 0; list < 32; list++) {
+        lf_plate plate = eyes(3, 2);
+        bool *const flips[] = {&plate.flips.u, &plate.flips.v, &plate.flips.hx, &plate.flips.hy,
+                               &plate.flips.transpose};
+        char eye[64];
+        json_t *facts = json_object();
+        for (int i = 0; i < 5; i++)
+            *flips[i] = list >> i & 1;
+        json_t *said = lf_plate_describe(&plate, facts);
+        const lf_plate_sample first = lf_plate_sample_at(&plate, (lf_plate_place){0, 0, 0, 0});
+        snprintf(eye, sizeof eye, "the %s eye of the %s row",
+                 first.column == 0 ? "leftmost" : "rightmost",
+                 first.row == 0 ? "lowest" : "topmost");
+        assert_string_equal(text(said, "view_0", NULL), eye);
+        assert_string_equal(text(said, "axes", "u"),
+                            eyes_along(&plate, (lf_plate_place){0, 0, 0, 1}));
+        assert_string_equal(text(said, "axes", "v"),
+                            eyes_along(&plate, (lf_plate_place){0, 0, 1, 0}));
+        assert_string_equal(text(said, "axes", "hx"),
+                            first.x == 0 ? "cells from left to right" : "cells from right to left");
+        assert_string_equal(text(said, "axes", "hy"),
+                            first.y == 0 ? "cells from top to bottom" : "cells from bottom to top");
+        assert_string_equal(text(said, "geometry", "cameras"), plate.flips.transpose
+                                                                   ? "columns are v, rows are u"
+                                                                   : "columns are u, rows are v");
+        for (int i = 0; i < 5; i++)
+            assert_int_equal(
+                json_is_true(json_object_get(json_object_get(said, "flips"), words[i])),
+                list >> i & 1);
+        assert_non_null(strstr(text(said, "flips", "order"), "reversed, then transposed"));
+        json_decref(said);
+        json_decref(facts);
+    }
+}
+
+static void a_manifest_says_where_eyes_and_cells_are(void **state)
+{
+    (void)state;
+    json_t *facts = json_object();
+    lf_plate plate = eyes(5, 1);
+    json_t *said = lf_plate_describe(&plate, facts);
+    assert_string_equal(text(said, "view_0", NULL), "the leftmost eye");
+    assert_non_null(strstr(text(said, "geometry", "vertical"), "height of the plate's middle"));
+    assert_non_null(strstr(text(said, "geometry", "centre"), "in front of the middle"));
+    assert_null(json_object_get(json_object_get(said, "geometry"), "fov"));
+    json_decref(said);
+    plate = eyes(5, 4);
+    plate.camera_is_cell = true;
+    said = lf_plate_describe(&plate, facts);
+    assert_non_null(strstr(text(said, "geometry", "fov"), "equal steps of the tangent"));
+    assert_string_equal(text(said, "geometry", "cameras"), "columns are hx, rows are hy");
+    assert_string_equal(text(said, "view_0", NULL), "the leftmost eye of the topmost row");
+    assert_null(json_object_get(json_object_get(said, "geometry"), "vertical"));
+    json_decref(said);
+    json_decref(facts);
+}
+
 static int set_up(void **state)
 {
     *state = lf_test_folder();
@@ -252,6 +335,8 @@ int main(void)
         cmocka_unit_test(damaged_samples_are_told),
         cmocka_unit_test(overwriting_removes_the_plate_before),
         cmocka_unit_test(pictures_of_nobody_are_refused),
+        cmocka_unit_test(words_are_of_the_files_as_written),
+        cmocka_unit_test(a_manifest_says_where_eyes_and_cells_are),
     };
     return cmocka_run_group_tests_name("plate_files", tests, set_up, tear_down);
 }
