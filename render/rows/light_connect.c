@@ -122,6 +122,13 @@ static float most_of(const lf_light_connect *connect, const lf_fan_lobes *f, lf_
     return sum;
 }
 
+/* A random number that leaves the path's own as they are: whether a row is wanted must not change
+ * the path. */
+static float chance(const lf_tracer *tracer)
+{
+    return (float)(lf_hash64(tracer->rng, 19) >> 40) * 0x1p-24f;
+}
+
 static void connect_vertex(void *context, const lf_forward_vertex *vertex)
 {
     lf_light_connect *connect = context;
@@ -149,7 +156,7 @@ static void connect_vertex(void *context, const lf_forward_vertex *vertex)
         most *= weight_of(connect, vertex->rate, over) *
                 lf_light_importance(plan, rig, visit->row, w->column[rig->n_views / 2]);
         keep = lf_min(most / plan->cut, 1.0f);
-        if (!(lf_rng(&w->tracer) < keep))
+        if (!(chance(&w->tracer) < keep))
             return;
     }
     const float seen = directions * unit * see(connect, &pivot);

@@ -222,6 +222,7 @@ lf_status lf_light_paths_begin(lf_light_paths *paths, const lf_pass *pass, const
 {
     trace_job job = {.paths = paths, .faults = pass->order->faults};
     paths->n_sets = 0;
+    paths->emitters.faults = pass->order->faults;
     if (pass->order->subsets == 0 || pass->order->fans)
         return LF_OK;
     lf_status status = find_sets(paths, pass, film);

@@ -1,5 +1,6 @@
 /* The sun that a mirror throws on a wall, held against straight lines from the wall to the mirrored
- * sun (tests/stat/mirror_sun.h), which share no code with render/. */
+ * sun (tests/stat/mirror_sun.h), which share no code with render/. Only light paths find the small
+ * suns: no path from the camera meets a sun without an angle, and few meet one of half a degree. */
 #include "tests/testing.h"
 
 #include "tests/scene_file.h"
@@ -10,8 +11,8 @@ enum { width = 24, height = 18, block = 6, n_views = 5, blocks_of_views = 12 * n
 
 static const char *const integrators[] = {"mvpt", "vpt"};
 
-/* blocks of two integrators */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * blocks_of_views)
+/* blocks of three suns with two integrators */
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 3 * 2 * blocks_of_views)
 
 /* What the wall, which is 5 away, shows: the sun, and share times what comes from the mirror. Edges
  * of a sun without an angle are sharp: more points, which cost little then. */
@@ -79,21 +80,36 @@ static void a_mirror_throws_a_wide_sun(void **state)
     assert_sun(20.0, 16);
 }
 
-/* No mirror at all, or one that throws twice as much. */
+static void a_mirror_throws_a_sun_without_an_angle(void **state)
+{
+    (void)state;
+    assert_sun(0.0, 4);
+}
+
+static void a_mirror_throws_a_sun_of_half_a_degree(void **state)
+{
+    (void)state;
+    assert_sun(0.53, 24);
+}
+
+/* A mirror that throws a tenth more or less. */
 static void other_mirrors_are_rejected(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++) {
         lf_blocks blocks;
-        assert_true(p_of(20.0, "mvpt", 8, 2.0 * i, NULL, &blocks) < 1e-6);
+        assert_true(p_of(i * 0.53, "mvpt", 32, 0.9 + 0.2 * i, NULL, &blocks) < 1e-6);
         lf_blocks_finish(&blocks);
     }
 }
 
 int main(void)
 {
+    lf_test_light_paths(LF_LIGHT_PATHS_AUTO);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mirror_throws_a_wide_sun),
+        cmocka_unit_test(a_mirror_throws_a_sun_without_an_angle),
+        cmocka_unit_test(a_mirror_throws_a_sun_of_half_a_degree),
         cmocka_unit_test(other_mirrors_are_rejected),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

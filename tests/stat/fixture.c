@@ -34,6 +34,13 @@ void lf_test_assert_refused(const char *folder, const char *text, const char *po
         fail_msg("%s", err.what);
 }
 
+static int light_paths;
+
+void lf_test_light_paths(int n)
+{
+    light_paths = n;
+}
+
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height,
                               lf_pool *pool)
 {
@@ -43,7 +50,8 @@ lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width
                                    .camera = *lf_scene_camera(scene),
                                    .width = width,
                                    .height = height,
-                                   .integrator = integrator};
+                                   .integrator = integrator,
+                                   .light_paths = light_paths};
     settings.seed = lf_test_seed();
     if (!pool && !own_pool)
         lf_assert_ok(lf_pool_create(2, &own_pool), NULL);

@@ -25,6 +25,9 @@ void lf_test_assert_refused(const char *folder, const char *text, const char *po
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height,
                               lf_pool *pool);
 
+/* Renderers made from now on take so many light paths (lf_render_settings); at first none. */
+void lf_test_light_paths(int n);
+
 /* The state of its integrator. */
 static inline lf_rows *lf_test_rows(const lf_renderer *renderer)
 {

@@ -1,10 +1,13 @@
 #include "render/transport/light/emitters.h"
 
 #include "base/alloc.h"
+#include "render/fault.h"
 #include "render/transport/light/light_types.h"
 
-/* Share of the paths that is even over a square. */
-#define EVEN 0.1
+/* Share of the paths that stays as before any was traced. */
+#define UNLEARNED 0.1
+/* Scenes with more meshes have an even start. */
+#define MOST_SHADOWS 4096
 
 static bool emits(const lf_light *light)
 {
@@ -27,18 +30,60 @@ static void place_square(const lf_scene *scene, const lf_light *light, lf_emitte
     lf_tangents(lf_scale(light->direction, -1.0f), &out->right, &out->up);
 }
 
-static void make_even(lf_emitter_square *square)
+/* The cells in the shadow of a box: columns and rows from low to high. */
+static void find_shadow(const lf_emitter_square *square, const lf_box *box, int low[2], int high[2])
 {
-    for (int i = 0; i < LF_EMITTER_CELLS; i++) {
-        square->density[i] = 1.0f;
-        square->cumulative[i] = (float)i / LF_EMITTER_CELLS;
+    float min[2] = {INFINITY, INFINITY}, max[2] = {-INFINITY, -INFINITY};
+    for (int i = 0; i < 8; i++) {
+        const lf_vec3 d =
+            lf_sub(lf_v3(i & 1 ? box->max.x : box->min.x, i & 2 ? box->max.y : box->min.y,
+                         i & 4 ? box->max.z : box->min.z),
+                   square->middle);
+        const float at[2] = {lf_dot(d, square->right), lf_dot(d, square->up)};
+        for (int k = 0; k < 2; k++) {
+            min[k] = lf_min(min[k], at[k]);
+            max[k] = lf_max(max[k], at[k]);
+        }
     }
-    square->cumulative[LF_EMITTER_CELLS] = 1.0f;
+    for (int k = 0; k < 2; k++) {
+        const float scale = LF_EMITTER_GRID / (2.0f * square->half), end = LF_EMITTER_GRID - 1;
+        low[k] = (int)lf_min(lf_max((min[k] + square->half) * scale, 0.0f), end);
+        high[k] = (int)lf_min(lf_max((max[k] + square->half) * scale, 0.0f), end);
+    }
+}
+
+/* What is known of a square before any path: half is even, and half goes to the shadows of meshes,
+ * an equal share to each, so that small ones beside large ones are found. weight [cells]: sum 1. */
+static void find_prior(const lf_scene *scene, const lf_emitter_square *square, double *weight)
+{
+    const bool shadows = scene->n_meshes > 0 && scene->n_meshes <= MOST_SHADOWS;
+    for (int c = 0; c < LF_EMITTER_CELLS; c++)
+        weight[c] = (shadows ? 0.5 : 1.0) / LF_EMITTER_CELLS;
+    for (int i = 0; i < scene->n_meshes && shadows; i++) {
+        int low[2], high[2];
+        find_shadow(square, &scene->meshes[i].box, low, high);
+        const double n = (double)(high[0] - low[0] + 1) * (high[1] - low[1] + 1);
+        for (int y = low[1]; y <= high[1]; y++)
+            for (int x = low[0]; x <= high[0]; x++)
+                weight[y * LF_EMITTER_GRID + x] += 0.5 / (n * scene->n_meshes);
+    }
+}
+
+/* Sets the probabilities of the cells; weight [cells]: sum 1. */
+static void set_cells(lf_emitter_square *square, const double *weight)
+{
+    double sum = 0.0;
+    square->cumulative[0] = 0.0f;
+    for (int c = 0; c < LF_EMITTER_CELLS; c++) {
+        sum += weight[c];
+        square->cumulative[c + 1] = c + 1 < LF_EMITTER_CELLS ? lf_cumulative_round(sum) : 1.0f;
+        square->density[c] = LF_EMITTER_CELLS * (square->cumulative[c + 1] - square->cumulative[c]);
+    }
 }
 
 lf_status lf_emitters_init(lf_emitters *emitters, const lf_scene *scene)
 {
-    double total = 0.0, sum = 0.0;
+    double total = 0.0, sum = 0.0, weight[LF_EMITTER_CELLS];
     int squares = 0;
     for (int i = 0; i < scene->n_lights; i++) {
         total += emits(&scene->lights[i]) ? (double)scene->lights[i].select : 0.0;
@@ -69,7 +114,8 @@ lf_status lf_emitters_init(lf_emitters *emitters, const lf_scene *scene)
         of->square.cumulative =
             emitters->cell_sums + emitters->n_cells + emitters->n_cells / LF_EMITTER_CELLS;
         place_square(scene, light, &of->square);
-        make_even(&of->square);
+        find_prior(scene, &of->square, weight);
+        set_cells(&of->square, weight);
         emitters->n_cells += LF_EMITTER_CELLS;
     }
     return LF_OK;
@@ -101,14 +147,32 @@ const lf_light *lf_emitters_draw(const lf_emitters *emitters, const float u[LF_E
     return light;
 }
 
+static float density_of(const lf_emitter *of, const lf_light *light,
+                        const lf_emitter_square *square, lf_vec3 p, lf_vec3 ng, lf_vec3 wi,
+                        float distance)
+{
+    return of->share > 0.0f ? of->share * fabsf(lf_dot(ng, wi)) *
+                                  light->kind->emit_density(light, square, p, wi, distance)
+                            : 0.0f;
+}
+
 float lf_emitters_density(const lf_emitters *emitters, const lf_light *light, lf_vec3 p, lf_vec3 ng,
                           lf_vec3 wi, float distance)
 {
     const lf_emitter *of = &emitters->of[light - emitters->scene->lights];
-    if (!(of->share > 0.0f))
-        return 0.0f;
-    return of->share * fabsf(lf_dot(ng, wi)) *
-           light->kind->emit_density(light, &of->square, p, wi, distance);
+    return density_of(of, light, &of->square, p, ng, wi, distance);
+}
+
+/* lf_emitters_density, as camera paths see it. */
+static float seen_density(const lf_emitters *emitters, const lf_light *light, lf_vec3 p, lf_vec3 ng,
+                          lf_vec3 wi, float distance)
+{
+    const lf_emitter *of = &emitters->of[light - emitters->scene->lights];
+    lf_emitter_square even = of->square;
+    if (!lf_has_fault(emitters, LF_FAULT_NO_CELL_PDF))
+        return density_of(of, light, &of->square, p, ng, wi, distance);
+    even.density = NULL;
+    return density_of(of, light, &even, p, ng, wi, distance);
 }
 
 lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf_vec3 radiance,
@@ -116,7 +180,7 @@ lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf
 {
     const lf_scene *scene = emitters->scene;
     if (light) {
-        float density = lf_emitters_density(emitters, light, p, ng, wi, distance);
+        float density = seen_density(emitters, light, p, ng, wi, distance);
         return lf_scale(radiance, 1.0f / (1.0f + rate * density));
     }
     for (int i = 0; i < scene->n_lights_infinite; i++) {
@@ -127,7 +191,7 @@ lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf
         lf_vec3 own = light->kind->escape(light, wi, &pdf);
         if (!(lf_max3(own) > 0.0f))
             continue;
-        float x = rate * lf_emitters_density(emitters, light, p, ng, wi, INFINITY);
+        float x = rate * seen_density(emitters, light, p, ng, wi, INFINITY);
         radiance = lf_madd(radiance, 1.0f / (1.0f + x) - 1.0f, own);
     }
     return lf_v3(lf_max(radiance.x, 0.0f), lf_max(radiance.y, 0.0f), lf_max(radiance.z, 0.0f));
@@ -150,20 +214,17 @@ static double smooth(const double *second, int cell)
 
 void lf_emitters_learn(lf_emitters *emitters, const double *second)
 {
-    double root[LF_EMITTER_CELLS];
+    double root[LF_EMITTER_CELLS], weight[LF_EMITTER_CELLS];
     for (int i = 0; i < emitters->n; i++) {
         lf_emitter_square *square = &emitters->of[i].square;
-        double sum = 0.0, before = 0.0;
+        double sum = 0.0;
         for (int c = 0; c < LF_EMITTER_CELLS && square->cumulative; c++)
             sum += root[c] = sqrt(smooth(second + square->first, c));
         if (!(sum > 0.0))
             continue;
-        for (int c = 0; c < LF_EMITTER_CELLS; c++) {
-            before += EVEN / LF_EMITTER_CELLS + (1.0 - EVEN) * root[c] / sum;
-            square->cumulative[c + 1] =
-                c + 1 < LF_EMITTER_CELLS ? lf_cumulative_round(before) : 1.0f;
-            square->density[c] =
-                LF_EMITTER_CELLS * (square->cumulative[c + 1] - square->cumulative[c]);
-        }
+        find_prior(emitters->scene, square, weight);
+        for (int c = 0; c < LF_EMITTER_CELLS; c++)
+            weight[c] = UNLEARNED * weight[c] + (1.0 - UNLEARNED) * root[c] / sum;
+        set_cells(square, weight);
     }
 }

@@ -28,6 +28,7 @@ typedef struct lf_emitters {
     int n_cells;       /* of all squares */
     float *density;    /* [n_cells] the squares' memory */
     float *cell_sums;  /* [n_cells + one for each square] */
+    unsigned faults;   /* lf_fault (fault.h) */
 } lf_emitters;
 
 /* emitters must be zeroed. It borrows the scene. LF_E_NOMEM. */
@@ -57,7 +58,7 @@ lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf
                           float rate, lf_vec3 p, lf_vec3 ng, lf_vec3 wi, float distance);
 
 /* Sets the densities of the cells from the second moments of what paths through them brought: a
- * tenth evenly, the rest in proportion to their roots. second [n_cells]. */
+ * tenth as at first, the rest in proportion to their roots. second [n_cells]. */
 void lf_emitters_learn(lf_emitters *emitters, const double *second);
 
 #endif
