@@ -94,7 +94,7 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                                     .take = take,
                                     .context = &to};
     options->common.seed = 1;
-    options->common.offline = true;
+    options->common.tracing.offline = true;
     lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;

@@ -88,12 +88,12 @@ const lf_param lf_option_params[] = {
     {.option = "max-depth", .argument = "N", PLACE(max_depth),
      .type = LF_PARAM_WHOLE, .low = 1, .high = 65536,
      .help = "longest path, in vertices after the camera (scene's)"},
-    {.option = "light-paths", .argument = "auto|none|N", PLACE(light_paths),
-     .has = offsetof(lf_options, has_light_paths), .low = 1, .high = LF_LIGHT_PATHS_MOST,
+    {.option = "light-paths", .argument = "auto|none|N", PLACE(tracing.light_paths),
+     .has = offsetof(lf_options, tracing.has_light_paths), .low = 1, .high = LF_LIGHT_PATHS_MOST,
      .words = light_paths,
      .help = "paths traced from lights, for each pass; auto: as the scene needs (auto)"},
-    {.option = "skip", .argument = "all|none|LIST", PLACE(skip),
-     .has = offsetof(lf_options, has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
+    {.option = "skip", .argument = "all|none|LIST", PLACE(tracing.skip),
+     .has = offsetof(lf_options, tracing.has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
      .help = "optimisations to use where the scene allows them (all)"},
     {.option = "aov", .argument = "all|none|LIST", PLACE(layers), .type = LF_PARAM_LIST,
      .word_at = layer_at, .help = "extra layers of EXR files (none)"},
@@ -341,11 +341,11 @@ static lf_status check_list(const lf_options *options, lf_error *err)
 /* lf_render_settings.light_paths. */
 static int light_paths_of(const lf_options *options)
 {
-    if (!options->has_light_paths)
-        return options->offline ? LF_LIGHT_PATHS_AUTO : 0;
-    if (isinf(options->light_paths))
-        return options->light_paths > 0.0 ? LF_LIGHT_PATHS_AUTO : 0;
-    return (int)lround(options->light_paths);
+    if (!options->tracing.has_light_paths)
+        return options->tracing.offline ? LF_LIGHT_PATHS_AUTO : 0;
+    if (isinf(options->tracing.light_paths))
+        return options->tracing.light_paths > 0.0 ? LF_LIGHT_PATHS_AUTO : 0;
+    return (int)lround(options->tracing.light_paths);
 }
 
 lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
@@ -359,7 +359,7 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .light_paths = light_paths_of(options),
-        .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
+        .skip = options->tracing.has_skip ? options->tracing.skip : LF_SKIP_ALL,
         .features = options->denoise == LF_DENOISE_ON || options->layers & LF_LAYER_DEPTH ||
                     options->guides,
     };

@@ -55,6 +55,15 @@ typedef struct lf_import_options {
     double memory; /* GiB; 0 = half of the machine's */
 } lf_import_options;
 
+/* Optimisations, and paths from lights. */
+typedef struct lf_tracing_options {
+    bool has_skip;        /* it was given */
+    bool has_light_paths; /* it was given */
+    bool offline;         /* light paths are taken unless refused */
+    unsigned skip;        /* bits of lf_skip */
+    double light_paths;   /* a number of paths; INFINITY: auto, -INFINITY: none */
+} lf_tracing_options;
+
 /* Values of the shared options. Zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
@@ -69,15 +78,11 @@ typedef struct lf_options {
     lf_choices choices;          /* lf_integrator_params */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
-    int max_depth;                              /* 0 = the scene's */
-    bool offline;                               /* light paths are taken unless refused */
-    bool has_light_paths;                       /* it was given */
-    bool has_exposure;                          /* it was given */
-    bool guides;                                /* tint what the panel cannot show sharply */
-    bool has_skip;                              /* it was given */
-    unsigned skip;                              /* bits of lf_skip */
+    int max_depth;     /* 0 = the scene's */
+    bool has_exposure; /* it was given */
+    bool guides;       /* tint what the panel cannot show sharply */
+    lf_tracing_options tracing;
     double target_error, target_denoised_error; /* > 0 */
-    double light_paths; /* a number of paths, INFINITY: auto, -INFINITY: none */
     lf_fit_option fit;
     lf_file_options file;
     double exposure; /* as in lf_exposed_film */

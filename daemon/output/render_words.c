@@ -78,18 +78,19 @@ void lf_render_words_settings(lf_render_words *words, const lf_render_settings *
                               lf_estimator estimator, bool denoise)
 {
     static const lf_options none;
-    const lf_options options = {.integrator = settings->integrator,
-                                .has_estimator = estimator != LF_ESTIMATOR_MWIS,
-                                .estimator = estimator,
-                                .sampler = settings->sampler,
-                                .seed = settings->seed,
-                                .max_depth = settings->max_depth,
-                                .has_light_paths = settings->light_paths != LF_LIGHT_PATHS_AUTO,
-                                .light_paths = settings->light_paths > 0 ? settings->light_paths
-                                                                         : (double)-INFINITY,
-                                .has_skip = settings->skip != LF_SKIP_ALL,
-                                .skip = settings->skip,
-                                .denoise = denoise ? LF_DENOISE_ON : LF_DENOISE_OFF};
+    const lf_options options = {
+        .integrator = settings->integrator,
+        .has_estimator = estimator != LF_ESTIMATOR_MWIS,
+        .estimator = estimator,
+        .sampler = settings->sampler,
+        .seed = settings->seed,
+        .max_depth = settings->max_depth,
+        .tracing.has_light_paths = settings->light_paths != LF_LIGHT_PATHS_AUTO,
+        .tracing.light_paths =
+            settings->light_paths > 0 ? settings->light_paths : (double)-INFINITY,
+        .tracing.has_skip = settings->skip != LF_SKIP_ALL,
+        .tracing.skip = settings->skip,
+        .denoise = denoise ? LF_DENOISE_ON : LF_DENOISE_OFF};
     lf_render_words_differing(
         words, lf_option_params,
         "integrator estimator sampler max-depth light-paths skip seed denoise", &options, &none);

@@ -619,7 +619,6 @@ static void explain_print(lf_error *err)
 lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_arguments *a,
                                     bool *out_done, lf_error *err)
 {
-    a->options.offline = true;
     const lf_options_part parts[] = {{lf_option_params, shared, &a->options},
                                      {lf_integrator_params(), NULL, &a->options.choices},
                                      {lf_alone_params, NULL, &a->options.alone},
@@ -647,6 +646,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     .taken = taken,
                                     .context = a};
     *a = (lf_render_arguments){.argv = argv, .plan.minutes = LF_PLAN_MINUTES};
+    a->options.tracing.offline = true;
     lf_param_defaults(lf_print_params, &a->print);
     lf_param_defaults(lf_video_params, &a->video);
     lf_param_defaults(lf_standing_params, &a->options.standing);

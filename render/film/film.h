@@ -286,9 +286,10 @@ static inline bool lf_film_is_hole(const lf_film_half half[2], const double n[2]
 }
 /* Marks a hole in which a search found nothing: it counts as dark until a path arrives, whose
  * weight is far larger. */
+#define LF_FILM_SETTLED 1e-30f
 static inline void lf_film_settle(const lf_film_half *half, size_t pixel)
 {
-    half->scattered[pixel].w = 1e-30f;
+    half->scattered[pixel] = (lf_film_scattered){.w = LF_FILM_SETTLED};
 }
 
 /* Records whether a visit's plane contains a medium or mesh. false: no plane of this row ever did,

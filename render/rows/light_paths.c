@@ -237,17 +237,28 @@ lf_status lf_light_paths_begin(lf_light_paths *paths, const lf_pass *pass, const
     return status;
 }
 
+/* To M; or, if the film has features, to N, whose quotient by W the reconstruction filters. Not
+ * where W is a mark (lf_film_settle). so_far: the half. */
+static void add_splat(lf_visit *visit, const lf_film_half *so_far, const lf_light_splat *splat)
+{
+    const float *c = splat->rgb;
+    if (!visit->sums.feature)
+        lf_visit_add_native(visit, splat->pixel, lf_v3(c[0], c[1], c[2]));
+    else if (!isfinite(c[0] + c[1] + c[2]))
+        visit->worker->tracer.nonfinite++;
+    else if (so_far->scattered[splat->pixel].w != LF_FILM_SETTLED)
+        lf_film_scatter(&visit->sums, splat->pixel, c[0], c[1], c[2]);
+}
+
 void lf_light_paths_add(const lf_light_paths *paths, lf_visit *visit)
 {
     const int i = paths->n_sets > 0 ? paths->set_of[visit->row] : -1;
     if (i < 0)
         return;
     const lf_light_set *set = &paths->sets[i];
-    for (size_t s = set->row_end[visit->row]; s < set->row_end[visit->row + 1]; s++) {
-        const lf_light_splat *splat = &set->sorted[s];
-        lf_visit_add_native(visit, splat->pixel,
-                            lf_v3(splat->rgb[0], splat->rgb[1], splat->rgb[2]));
-    }
+    const lf_film_half so_far = lf_film_at(visit->plan->film, visit->row, visit->half);
+    for (size_t s = set->row_end[visit->row]; s < set->row_end[visit->row + 1]; s++)
+        add_splat(visit, &so_far, &set->sorted[s]);
 }
 
 /* Light paths for each view pixel and native sample. */

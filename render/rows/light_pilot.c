@@ -242,8 +242,7 @@ lf_status lf_light_pilot_asks(const lf_light_pilot *pilot, lf_light_plan *plan, 
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- learning --
- */
+/* ---------------------------------------------------------------------------------- learning -- */
 
 /* A vertex that light reaches. */
 typedef struct score {

@@ -243,8 +243,9 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                                          !sharing->entry.shares);
     }
     if (status == LF_OK) {
-        needs.layout = film_layout(&rows->seen, input->settings, &rows->rig,
-                                   rows->light.plan.per_pass > 0, needs.sky);
+        needs.layout =
+            film_layout(&rows->seen, input->settings, &rows->rig,
+                        rows->light.plan.per_pass > 0 && !input->settings->features, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, lf_moving_moves(&rows->moving),
                                                sharing, rows->rig.n_views);
         status = make_memory(rows, sharing, &needs.layout, &track);

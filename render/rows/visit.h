@@ -4,7 +4,7 @@
 #ifndef LF_RENDER_VISIT_H
 #define LF_RENDER_VISIT_H
 
-#include "render/fault.h"
+#include "render/scene/fault.h"
 #include "render/film/film.h"
 #include "render/integrator.h"
 #include "render/plane/alpha.h"

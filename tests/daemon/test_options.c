@@ -154,11 +154,11 @@ static void every_shared_option_is_taken(void **state)
     assert_int_equal(o.threads, 3);
     assert_true(o.seed == UINT64_MAX);
     assert_int_equal(o.max_depth, 12);
-    assert_true(o.has_skip && o.skip == 0);
+    assert_true(o.tracing.has_skip && o.tracing.skip == 0);
     lf_assert_close(o.target_error, 1e-3, 0, 0);
     assert_string_equal(o.calibration, "p.json");
     lf_assert_ok(read_line("", &o, &err), &err);
-    assert_true(!o.preset && !o.views && !o.integrator && !o.has_skip && !o.has_estimator);
+    assert_true(!o.preset && !o.views && !o.integrator && !o.tracing.has_skip && !o.has_estimator);
     assert_null(lf_options_preset(&o));
 }
 

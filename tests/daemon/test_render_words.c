@@ -36,20 +36,22 @@ static void settings_come_back(void **state)
                                          .sampler = LF_SAMPLER_INDEPENDENT,
                                          .seed = UINT64_MAX,
                                          .max_depth = 7,
-                                         .skip = LF_SKIP_PATHS | LF_SKIP_SURFACES};
+                                         .skip = LF_SKIP_PATHS | LF_SKIP_SURFACES,
+                                         .light_paths = 300};
     lf_render_words_settings(&words, &settings, LF_ESTIMATOR_CV, false);
     read_back(&words, lf_option_params, &options);
     assert_string_equal(options.integrator, settings.integrator);
     assert_int_equal(options.sampler, settings.sampler);
     assert_true(options.seed == settings.seed);
     assert_int_equal(options.max_depth, 7);
-    assert_int_equal(options.skip, settings.skip);
+    assert_int_equal(options.tracing.skip, settings.skip);
+    assert_true(options.tracing.has_light_paths && options.tracing.light_paths == 300);
     assert_int_equal(options.estimator, LF_ESTIMATOR_CV);
     assert_int_equal(options.denoise, LF_DENOISE_OFF);
     assert_false(words.failed);
     lf_render_words_finish(&words);
     /* nothing is said of what is usual, since --estimator alone turns denoising off */
-    const lf_render_settings plain = {.skip = LF_SKIP_ALL};
+    const lf_render_settings plain = {.skip = LF_SKIP_ALL, .light_paths = LF_LIGHT_PATHS_AUTO};
     lf_render_words_settings(&words, &plain, LF_ESTIMATOR_MWIS, true);
     assert_int_equal(words.n, 1);
     assert_string_equal(words.list[0], "--denoise=on");
@@ -57,6 +59,7 @@ static void settings_come_back(void **state)
     const lf_render_settings none = {.skip = 0};
     lf_render_words_settings(&words, &none, LF_ESTIMATOR_MWIS, true);
     assert_true(has_word(&words, "--skip=none"));
+    assert_true(has_word(&words, "--light-paths=none"));
     lf_render_words_finish(&words);
 }
 

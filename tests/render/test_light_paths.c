@@ -130,8 +130,7 @@ static void weights_are_as_expected(void **state)
                            LEVEL);
 }
 
-/* ------------------------------------------------------------------------------- the same bytes --
- */
+/* ---------------------------------------------------------------------------- the same bytes -- */
 
 static lf_renderer *by(const char *integrator, int threads, lf_pool **out_pool)
 {
@@ -217,8 +216,7 @@ static void a_pass_can_be_cancelled(void **state)
     drop(r, pool);
 }
 
-/* ----------------------------------------------------------------------------------- the pilot --
- */
+/* --------------------------------------------------------------------------------- the pilot -- */
 
 static int chosen(const char *text, const char *integrator)
 {

@@ -1,7 +1,7 @@
 #include "render/transport/light/emitters.h"
 
 #include "base/alloc.h"
-#include "render/fault.h"
+#include "render/scene/fault.h"
 #include "render/transport/light/light_types.h"
 
 /* Share of the paths that stays as before any was traced. */

@@ -1,6 +1,6 @@
 #include "render/transport/path/path.h"
 
-#include "render/fault.h"
+#include "render/scene/fault.h"
 #include "render/transport/light/equiangular.h"
 #include "render/transport/path/interior.h"
 #include "render/transport/path/subsurface.h"

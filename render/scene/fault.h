@@ -1,6 +1,6 @@
 /* Deliberate mistakes, for the negative controls of tests; private to render/. */
-#ifndef LF_RENDER_FAULT_H
-#define LF_RENDER_FAULT_H
+#ifndef LF_RENDER_SCENE_FAULT_H
+#define LF_RENDER_SCENE_FAULT_H
 
 #include <stdbool.h>
 
