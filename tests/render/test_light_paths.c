@@ -67,9 +67,9 @@ static void pictures_agree_with_those_without(void **state)
     for (int i = 0; i < N_LIGHTS; i++) {
         const char *text = lf_test_scene_patched("glossy-corner", "%s", lights[i]);
         lf_blocks without, with, alone;
-        pictures(text, "vpt", 0, 0, 24, 1, &without);
-        pictures(text, "mvpt", PATHS, 0, 4, 2, &with);
-        pictures(text, "vpt", PATHS, 0, 8, 3, &alone);
+        pictures(text, "vpt", 0, 0, 12, 1, &without);
+        pictures(text, "mvpt", PATHS, 0, 3, 2, &with);
+        pictures(text, "vpt", PATHS, 0, 6, 3, &alone);
         assert_alike(&with, &without, "mvpt", i);
         assert_alike(&alone, &without, "vpt", i);
         lf_blocks_finish(&without);
