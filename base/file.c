@@ -34,6 +34,17 @@ static bool is_web_page(int fd)
     return false;
 }
 
+static struct {
+    lf_file_opened_fn opened;
+    void *context;
+} listener;
+
+void lf_file_on_open(lf_file_opened_fn opened, void *context)
+{
+    listener.opened = opened;
+    listener.context = context;
+}
+
 lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_bytes, int *out_fd,
                        uint64_t *out_size, lf_error *err)
 {
@@ -65,6 +76,8 @@ lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_byt
         close(fd);
         return status;
     }
+    if (listener.opened)
+        listener.opened(listener.context, path);
     *out_fd = fd;
     if (out_size)
         *out_size = (uint64_t)st.st_size;

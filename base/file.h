@@ -15,6 +15,11 @@
 LF_NODISCARD lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_bytes,
                                     int *out_fd, uint64_t *out_size, lf_error *err);
 
+/* Hears of every file that lf_file_open has opened, in the thread that opened it. */
+typedef void (*lf_file_opened_fn)(void *context, const char *path);
+/* Sets who hears, for the whole process, while no other thread opens files; opened NULL: nobody. */
+void lf_file_on_open(lf_file_opened_fn opened, void *context);
+
 /* Reads the whole file and appends a terminating 0 (not counted in *out_size). The caller releases
  * *out_data with lf_free. */
 LF_NODISCARD lf_status lf_file_read(const char *path, const lf_roots *roots, uint64_t max_bytes,

@@ -70,6 +70,14 @@ LF_NODISCARD lf_status lf_image32_read_metadata(int fd, const char *path, lf_ima
 LF_NODISCARD lf_status lf_png_measure(const char *path, const lf_roots *roots, int *out_width,
                                       int *out_height, lf_error *err);
 
+/* Size of a value of lf_png_texts with its NUL. */
+#define LF_PNG_TEXT 256
+/* The values of a PNG file's text attributes (tEXt) with these names, from its chunks alone; "":
+ * there is none. Longer ones are cut. Errors as of lf_png_measure. */
+LF_NODISCARD lf_status lf_png_texts(const char *path, const lf_roots *roots,
+                                    const char *const *names, int n, char (*out)[LF_PNG_TEXT],
+                                    lf_error *err);
+
 /* A text attribute for an EXR header or a PNG tEXt chunk. */
 typedef struct lf_attribute {
     const char *name, *value;

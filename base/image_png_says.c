@@ -274,3 +274,52 @@ lf_status lf_png_measure(const char *path, const lf_roots *roots, int *out_width
     close(source.fd);
     return status;
 }
+
+/* ------------------------------------------------------------------------------------- texts -- */
+
+/* Takes the text of a chunk: its name, NUL, and its value. */
+static void take_named(const char *text, size_t n_text, const char *const *names, int n,
+                       char (*out)[LF_PNG_TEXT])
+{
+    const size_t name = strnlen(text, n_text), value = n_text - name > 0 ? n_text - name - 1 : 0;
+    for (int i = 0; i < n; i++) {
+        if (strncmp(text, names[i], name) != 0 || names[i][name] != '\0')
+            continue;
+        const size_t kept = value < LF_PNG_TEXT - 1 ? value : LF_PNG_TEXT - 1;
+        memcpy(out[i], text + n_text - value, kept);
+        out[i][kept] = '\0';
+    }
+}
+
+static void read_texts(const lf_image_source *source, const char *const *names, int n,
+                       char (*out)[LF_PNG_TEXT])
+{
+    uint8_t head[8];
+    char text[LF_PNG_TEXT + 80]; /* names have up to 79 characters */
+    uint64_t at = 8;
+    while (read_at(source, at, head, 8) && memcmp(head + 4, "IEND", 4) != 0) {
+        const uint32_t length = lf_be32(head);
+        const size_t held = length < sizeof text ? length : sizeof text;
+        if (memcmp(head + 4, "tEXt", 4) == 0 && read_at(source, at + 8, text, held))
+            take_named(text, held, names, n, out);
+        at += 12 + (uint64_t)length;
+    }
+}
+
+lf_status lf_png_texts(const char *path, const lf_roots *roots, const char *const *names, int n,
+                       char (*out)[LF_PNG_TEXT], lf_error *err)
+{
+    lf_image_source source = {.where = path};
+    int width, height;
+    lf_status status =
+        lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &source.fd, &source.size_bytes, err);
+    if (status != LF_OK)
+        return status;
+    for (int i = 0; i < n; i++)
+        out[i][0] = '\0';
+    status = measure(&source, &width, &height, err);
+    if (status == LF_OK)
+        read_texts(&source, names, n, out);
+    close(source.fd);
+    return status;
+}

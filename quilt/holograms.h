@@ -41,6 +41,7 @@ typedef struct lf_plate {
     int columns, rows; /* cameras */
     int width, height; /* of a camera's picture, in pixels */
     int parts;         /* a row of cameras is rendered in this many equal parts, from the left */
+    int per_metre[2];  /* cells across and down; 0: unknown */
     lf_plate_form form;
     lf_plate_format format;
     lf_plate_flips flips;
@@ -90,9 +91,9 @@ char *lf_plate_task_file(const lf_plate *plate, int task, int i);
  * folder; i = lf_plate_n_files: manifest.json. Caller frees; NULL = out of memory. */
 int lf_plate_n_files(const lf_plate *plate);
 char *lf_plate_file(const lf_plate *plate, int i);
-/* True if all files of a task are in the folder. Of rows/r%03d.raw header and size are checked,
- * too. */
-bool lf_plate_has_task(const lf_plate *plate, const char *folder, int task);
+/* True if the folder has the receipt of a task, rows/r%03d.json, it is of these facts, and all its
+ * files are there with their sizes. Of rows/r%03d.raw the header is checked, too. */
+bool lf_plate_has_task(const lf_plate *plate, const char *folder, const json_t *facts, int task);
 
 /* How files are written. */
 typedef struct lf_plate_run {
@@ -103,15 +104,16 @@ typedef struct lf_plate_run {
     void *context;
 } lf_plate_run;
 
-/* Writes the files of a task; samples: [camera of the task][y][x] in the plate's encoding. The
- * folder must exist. LF_E_IO, LF_E_NOMEM, LF_E_CANCELLED. */
-LF_NODISCARD lf_status lf_plate_write_task(const lf_plate *plate, const char *folder, int task,
-                                           const uint8_t *samples, const lf_plate_run *run,
-                                           lf_error *err);
+/* Writes the files of a task, then its receipt, which has the hash of each file and of the facts;
+ * samples: [camera of the task][y][x] in the plate's encoding. The folder must exist. LF_E_IO,
+ * LF_E_NOMEM, LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_plate_write_task(const lf_plate *plate, const char *folder,
+                                           const json_t *facts, int task, const uint8_t *samples,
+                                           const lf_plate_run *run, lf_error *err);
 /* Once all tasks are there: writes the other files of the plate, then manifest.json. The manifest
  * has the members of facts, the conventions of the plate, and all files with their SHA-256. Memory
  * (lf_plate_finish_memory): at most 256 MiB, or one row of pixels of every camera. LF_E_FORMAT: a
- * file of a task is damaged. */
+ * file of a task is not what its receipt says, or the receipt is not of these facts. */
 size_t lf_plate_finish_memory(const lf_plate *plate);
 LF_NODISCARD lf_status lf_plate_finish(const lf_plate *plate, const char *folder,
                                        const json_t *facts, const lf_plate_run *run, lf_error *err);
@@ -120,10 +122,14 @@ LF_NODISCARD lf_status lf_plate_finish(const lf_plate *plate, const char *folder
 bool lf_plate_is_finished(const lf_plate *plate, const char *folder, const json_t *facts);
 
 /* Ensures that all tasks in a folder are parts of one plate. The first one makes the folder and
- * writes facts and conventions to plate.json. Later ones compare. replace: writes it in any case.
- * LF_E_EXISTS: plate.json differs; err names the first member that does. */
+ * writes facts and conventions to plate.json. Later ones compare. replace: first removes all files
+ * of plates, also of larger ones. LF_E_EXISTS: plate.json differs, and err names the first member
+ * that does; or there are pictures without plate.json. */
 LF_NODISCARD lf_status lf_plate_begin(const lf_plate *plate, const char *folder,
                                       const json_t *facts, bool replace, lf_error *err);
+/* The same comparison, for plans: writes nothing, and the folder need not exist. */
+LF_NODISCARD lf_status lf_plate_check(const lf_plate *plate, const char *folder,
+                                      const json_t *facts, lf_error *err);
 
 /* --------------------------------------------------------------------------------- raw files -- */
 

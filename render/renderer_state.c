@@ -145,6 +145,17 @@ bool lf_same_picture(const lf_scene *a, const lf_render_settings *of_a, const lf
            memcmp(pictures[0], pictures[1], LF_PICTURE_BYTES) == 0;
 }
 
+lf_status lf_picture_hash(const lf_scene *scene, const lf_render_settings *settings,
+                          char out[static LF_PICTURE_HASH])
+{
+    uint8_t picture[LF_PICTURE_BYTES];
+    const lf_status status = lf_renderer_identify(
+        scene, settings, settings->integrator ? settings->integrator : "", picture);
+    for (size_t i = 0; i < LF_PICTURE_BYTES && status == LF_OK; i++)
+        snprintf(out + 2 * i, 3, "%02x", picture[i]);
+    return status;
+}
+
 lf_status lf_renderer_save(const lf_renderer *renderer, lf_outfile *file, const lf_cancel *cancel,
                            lf_error *err)
 {
@@ -160,16 +171,6 @@ lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err)
     lf_film_finish(&renderer->film);
     renderer->film = restored;
     return LF_OK;
-}
-
-lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err)
-{
-    lf_film other = {0};
-    lf_status status = lf_film_read(fd, &renderer->film, &other, err);
-    if (status == LF_OK)
-        status = lf_film_add(&renderer->film, &other, err);
-    lf_film_finish(&other);
-    return status;
 }
 
 lf_status lf_renderer_mix(lf_renderer *renderer, const lf_renderer *from, lf_error *err)

@@ -1,6 +1,7 @@
 #!/bin/bash
 # The rules of the project that a grep can hold, each shown first to catch a breach in a small tree made for it.
 set -u
+export LC_ALL=C.UTF-8 # a line has characters, not bytes
 src=${QUILTD_SOURCE:-.}
 out=${QUILTD_BUILD:-build}
 

@@ -14,6 +14,7 @@ typedef struct lf_farm_options {
     int threads;             /* plan: of a task; 0 = LF_FARM_THREADS */
     int slots;               /* plan, submit, resume: tasks at once; 0 = not given */
     bool json;               /* plan, status: print JSON */
+    bool check;              /* status, submit, resume: read the output files, too */
 } lf_farm_options;
 extern const lf_param lf_farm_params[];
 
@@ -36,6 +37,7 @@ LF_NODISCARD lf_status lf_farm_submit(const lf_farm_command *c, lf_error *err);
 /* The same with the slots and words of the last submission, unless others are given. Forgets
  * failures. LF_E_STATE also: it was never submitted. */
 LF_NODISCARD lf_status lf_farm_resume(const lf_farm_command *c, lf_error *err);
+/* LF_E_STATE with options->check: a file is not as its receipt says. */
 LF_NODISCARD lf_status lf_farm_status(const lf_farm_command *c, lf_error *err);
 /* Runs the finishes that are missing, here. LF_E_STATE: tasks are missing. */
 LF_NODISCARD lf_status lf_farm_merge(const lf_farm_command *c, lf_error *err);

@@ -44,3 +44,16 @@ void lf_farm_queue_place(const lf_farm_job *job, lf_farm_queue *queue, int step,
     if (queue->places[step] < place)
         queue->places[step] = place;
 }
+
+lf_status lf_farm_queue_by_files(const lf_farm_job *job, lf_farm_queue *queue, lf_error *err)
+{
+    lf_farm_result *results = NULL;
+    const lf_status status = lf_farm_results_read(job, &results, err);
+    for (int i = 0; i < job->n_tasks + job->n_finishes && status == LF_OK; i++)
+        if (results[i].is_running) {
+            lf_farm_queue_place(job, queue, i, LF_FARM_RUNNING);
+            queue->n_running++;
+        }
+    lf_free(results);
+    return status;
+}

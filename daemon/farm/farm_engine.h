@@ -34,7 +34,11 @@ struct lf_farm_engine {
     /* Fills *out, whose places are zeroed. sent: as `send` left it. LF_E_IO. */
     lf_status (*look)(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
                       lf_error *err);
-    /* Ends all that is queued or running. LF_E_STATE: nothing is, as far as the engine knows. */
+    /* LF_E_BUSY: it has steps of an older plan of this folder, which was removed. NULL: it cannot
+     * have any. LF_E_IO. */
+    lf_status (*check)(const lf_farm_job *job, const json_t *sent, lf_error *err);
+    /* Ends all that is queued or running. sent NULL: this plan was not submitted, but an older one
+     * of its folder may be. LF_E_STATE: nothing is, as far as the engine knows. */
     lf_status (*cancel)(const lf_farm_job *job, const json_t *sent, lf_error *err);
 };
 
@@ -49,6 +53,10 @@ const lf_farm_engine *lf_farm_engine_find(const char *name);
 LF_NODISCARD lf_status lf_farm_queue_read(const lf_farm_job *job, const json_t *sent,
                                           lf_farm_queue *out, lf_error *err);
 void lf_farm_queue_finish(lf_farm_queue *queue);
+/* Notes the steps that run as far as their files say: for engines that cannot be asked. LF_E_IO,
+ * LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_farm_queue_by_files(const lf_farm_job *job, lf_farm_queue *queue,
+                                              lf_error *err);
 /* Notes a step's place, if it is not behind the last. */
 void lf_farm_queue_place(const lf_farm_job *job, lf_farm_queue *queue, int step,
                          lf_farm_place place);

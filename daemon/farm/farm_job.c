@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -275,9 +276,11 @@ static lf_status read_plan(lf_farm_job *job, lf_error *err)
     job->command = json_object_get(job->plan, "command");
     job->join = json_object_get(job->plan, "join");
     job->folder = json_string_value(json_object_get(job->json, "folder"));
+    job->id = json_string_value(json_object_get(job->json, "id"));
     job->field_option = json_string_value(json_object_get(job->plan, "field_option"));
     job->threads = (int)json_integer_value(json_object_get(job->plan, "threads"));
-    if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1)
+    if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1 || !job->id ||
+        job->id[strspn(job->id, "0123456789abcdef")] != '\0')
         return bad_plan(job->path, "a key is missing", err);
     if (!read_range(job->plan, "fields", MOST_STEPS, job->fields))
         return bad_plan(job->path, "its light fields are not numbers", err);
@@ -415,19 +418,44 @@ static bool add_closing_finish(const json_t *words, json_t *plan)
                                                      "cpu_seconds", 1.0, "memory", 0)) == 0;
 }
 
+/* A word that no other plan has: schedulers may still hold steps of a folder that was removed. */
+static void make_id(char buf[16])
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    snprintf(buf, 16, "%06llx%04x", (unsigned long long)now.tv_sec & 0xffffff,
+             ((unsigned)now.tv_nsec ^ (unsigned)getpid()) & 0xffff);
+}
+
 /* The content of job.json. A new reference; NULL = out of memory. */
 static json_t *make_json(const char *path, const lf_farm_engine *engine, const char *folder,
                          char *const words[], json_t *plan)
 {
     json_t *list = json_array();
+    char id[16];
+    make_id(id);
     for (; list && *words; words++)
         json_array_append_new(list, json_string(*words));
     if (list && !add_closing_finish(list, plan)) {
         json_decref(list);
         return NULL;
     }
-    return json_pack("{s:s, s:s, s:s, s:s, s:o, s:O}", "quiltd", LF_VERSION, "job", path, "folder",
-                     folder, "engine", engine->name, "words", list, "plan", plan);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:O}", "quiltd", LF_VERSION, "id", id, "job",
+                     path, "folder", folder, "engine", engine->name, "words", list, "plan", plan);
+}
+
+/* Removes what a plan that failed has made, such as on a full disk. */
+static void unmake(const lf_farm_job *job)
+{
+    static const char *const names[] = {"README", "tasks", "finishes", "job.json", "states",
+                                        "done",   "log",   "frames",   ""};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char *path =
+            names[i][0] != '\0' ? lf_farm_job_path(job, "%s", names[i]) : lf_strdup(job->path);
+        if (path)
+            (void)remove(path); /* the folder itself only if nothing of the user is in it */
+        lf_free(path);
+    }
 }
 
 lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const char *folder,
@@ -438,6 +466,7 @@ lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const
     lf_status status = job.path && job.json ? read_plan(&job, err) : lf_farm_no_memory(path, err);
     if (status == LF_OK)
         status = make_folder(path, &job, err);
+    const bool is_begun = status == LF_OK;
     if (status == LF_OK)
         status = json_object_set_new(job.json, "job", json_string(job.path)) == 0
                      ? make_folders(&job, err)
@@ -450,6 +479,8 @@ lf_status lf_farm_job_make(const char *path, const lf_farm_engine *engine, const
         status = write_commands(&job, "finishes", job.n_tasks, job.n_finishes, err);
     if (status == LF_OK)
         status = lf_farm_job_write(&job, "job.json", job.json, err);
+    if (status != LF_OK && is_begun)
+        unmake(&job);
     lf_farm_job_close(&job);
     return status;
 }

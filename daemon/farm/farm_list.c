@@ -30,11 +30,8 @@ static lf_status send_list(lf_farm_job *job, const lf_farm_batch *batch, json_t 
 static lf_status look_list(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
                            lf_error *err)
 {
-    (void)job;
     (void)sent;
-    (void)out;
-    (void)err;
-    return LF_OK;
+    return lf_farm_queue_by_files(job, out, err);
 }
 
 static lf_status cancel_list(const lf_farm_job *job, const json_t *sent, lf_error *err)

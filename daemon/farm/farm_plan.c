@@ -58,6 +58,11 @@ const lf_param lf_farm_params[] = {
      .help = "plan, status: print JSON",
      .type = LF_PARAM_SWITCH,
      .place = offsetof(lf_farm_options, json)},
+    {.option = "check",
+     .help =
+         "status: compare the SHA-256 of all outputs; submit, resume: make those anew that differ",
+     .type = LF_PARAM_SWITCH,
+     .place = offsetof(lf_farm_options, check)},
     {0}};
 
 /* -------------------------------------------------------------------------------------- cost -- */
@@ -66,7 +71,7 @@ const lf_param lf_farm_params[] = {
 typedef struct cost {
     double tasks, finishes;         /* CPU seconds */
     double longest, longest_finish; /* of one task or finish */
-    double memory;                  /* of the largest step */
+    double memory, finish_memory;   /* of the largest task and finish */
 } cost;
 
 static cost cost_of(const lf_farm_job *job)
@@ -75,10 +80,11 @@ static cost cost_of(const lf_farm_job *job)
     for (int i = 0; i < job->n_tasks + job->n_finishes; i++) {
         const lf_farm_step *s = &job->steps[i];
         double *sum = i < job->n_tasks ? &c.tasks : &c.finishes,
-               *most = i < job->n_tasks ? &c.longest : &c.longest_finish;
+               *most = i < job->n_tasks ? &c.longest : &c.longest_finish,
+               *memory = i < job->n_tasks ? &c.memory : &c.finish_memory;
         *sum += s->cpu_seconds;
         *most = s->cpu_seconds > *most ? s->cpu_seconds : *most;
-        c.memory = s->memory > c.memory ? s->memory : c.memory;
+        *memory = s->memory > *memory ? s->memory : *memory;
     }
     return c;
 }
@@ -158,8 +164,10 @@ static void print_cost(const lf_farm_job *job, int slots)
     } else {
         printf("  work        unknown: an error ends it\n");
     }
-    printf("  a task      %d threads, at most %s of memory\n", job->threads,
-           lf_farm_bytes(c.memory, a, sizeof a));
+    printf("  a task      %d thread%s, at most %s of memory\n", job->threads,
+           job->threads == 1 ? "" : "s", lf_farm_bytes(c.memory, a, sizeof a));
+    if (c.finish_memory > 0)
+        printf("  a finish    at most %s of memory\n", lf_farm_bytes(c.finish_memory, a, sizeof a));
     const double files = plan_number(job, "files_bytes");
     printf("  disk        %s of files, at most %s of states\n",
            files > 0 ? lf_farm_bytes(files, a, sizeof a) : "an unknown size",
@@ -171,10 +179,12 @@ static void print_json(const lf_farm_job *job, int slots)
 {
     const cost c = cost_of(job);
     json_t *json =
-        json_pack("{s:s, s:s, s:i, s:i, s:i, s:f, s:f, s:f, s:f}", "job", job->path, "engine",
-                  job->engine->name, "tasks", job->n_tasks, "finishes", job->n_finishes, "threads",
-                  job->threads, "cpu_seconds", c.tasks + c.finishes, "memory", c.memory,
-                  "files_bytes", plan_number(job, "files_bytes"), "state_bytes", all_states(job));
+        json_pack("{s:s, s:s, s:i, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f}", "job", job->path,
+                  "engine", job->engine->name, "tasks", job->n_tasks, "finishes", job->n_finishes,
+                  "threads", job->threads, "cpu_seconds", c.tasks + c.finishes, "memory",
+                  c.memory > c.finish_memory ? c.memory : c.finish_memory, "task_memory", c.memory,
+                  "finish_memory", c.finish_memory, "files_bytes", plan_number(job, "files_bytes"),
+                  "state_bytes", all_states(job));
     if (json && slots > 0)
         json_object_set_new(json, "wall_seconds", json_real(wall_seconds(job, &c, slots)));
     json_dumpf(json, stdout, JSON_INDENT(2));
@@ -196,8 +206,7 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
     if (status != LF_OK)
         return status;
     lf_farm_words_add(&words, "%s", path);
-    lf_farm_words_add_list(&words, c->words);
-    lf_farm_words_add(&words, "--plan");
+    lf_farm_words_add(&words, "--plan"); /* before the user's words, whose last may want a value */
     lf_farm_words_add(&words, "--json");
     lf_farm_words_add(&words, "--threads");
     lf_farm_words_add(&words, "%d", o->threads > 0 ? o->threads : LF_FARM_THREADS);
@@ -209,6 +218,7 @@ static lf_status ask_renderer(const lf_farm_command *c, json_t **out, lf_error *
         lf_farm_words_add(&words, "--task-memory");
         lf_farm_words_add(&words, "%s", o->task_memory);
     }
+    lf_farm_words_add_list(&words, c->words);
     status = words.failed ? lf_farm_no_memory(RENDERER, err)
                           : lf_farm_process_read(words.list, &text, &code, err);
     lf_farm_words_finish(&words);

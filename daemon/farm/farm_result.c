@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -15,6 +16,7 @@
 #include "base/file.h"
 #include "base/number.h"
 #include "base/version.h"
+#include "daemon/farm/farm_file.h"
 
 /* The files of a step, as bits and by their endings. */
 enum { RECEIPT = 1, FAILED = 2, COST = 4, RUNNING = 8, ALL = 15 };
@@ -54,14 +56,7 @@ static void remove_file(const lf_farm_job *job, int step, int bit)
 /* A file of a receipt is there with its size. */
 static bool is_there(const lf_farm_job *job, const json_t *file)
 {
-    const char *name = json_string_value(json_object_get(file, "name"));
-    const json_t *bytes = json_object_get(file, "bytes");
-    struct stat found;
-    char *path = name ? lf_path_join(job->folder, name) : NULL;
-    const bool is = path && stat(path, &found) == 0 && S_ISREG(found.st_mode) &&
-                    json_is_integer(bytes) && found.st_size == json_integer_value(bytes);
-    lf_free(path);
-    return is;
+    return lf_farm_file_compare(job->folder, file, false) == LF_FARM_FILE_SAME;
 }
 
 static bool is_complete(const lf_farm_job *job, int step)
@@ -97,6 +92,16 @@ static void read_cost(const lf_farm_job *job, int step, lf_farm_result *out)
     json_decref(cost);
 }
 
+/* True if the process was on this machine and is no more: it was killed. */
+static bool is_killed(const json_t *running)
+{
+    const char *there = json_string_value(json_object_get(running, "host"));
+    const pid_t pid = (pid_t)json_integer_value(json_object_get(running, "pid"));
+    char host[64] = "";
+    (void)gethostname(host, sizeof host - 1);
+    return there && strcmp(there, host) == 0 && pid > 0 && kill(pid, 0) != 0 && errno == ESRCH;
+}
+
 static void read_running(const lf_farm_job *job, int step, lf_farm_result *out)
 {
     char name[64];
@@ -105,7 +110,7 @@ static void read_running(const lf_farm_job *job, int step, lf_farm_result *out)
     if (path && stat(path, &found) == 0) {
         json_t *running = object_of(job, step, RUNNING);
         out->silent = difftime(time(NULL), found.st_mtime);
-        out->is_lost = out->silent > LF_FARM_SILENT_SECONDS;
+        out->is_lost = out->silent > LF_FARM_SILENT_SECONDS || is_killed(running);
         out->is_running = !out->is_lost;
         copy_text(out->host, sizeof out->host, json_object_get(running, "host"));
         json_decref(running);
@@ -203,13 +208,16 @@ lf_status lf_farm_results_read(const lf_farm_job *job, lf_farm_result **out, lf_
 
 /* ------------------------------------------------------------------------------------- write -- */
 
-/* What cannot be written is missed by a reader of status, and by nothing else. */
-static void write_object(const lf_farm_job *job, int step, int bit, json_t *object)
+/* What cannot be written is missed by a reader of status, and by nothing else. False: so it is. */
+static bool write_object(const lf_farm_job *job, int step, int bit, json_t *object)
 {
     char name[64];
-    if (object && lf_farm_job_write(job, file_of(job, step, bit, name), object, NULL) != LF_OK)
+    const bool is_written =
+        object && lf_farm_job_write(job, file_of(job, step, bit, name), object, NULL) == LF_OK;
+    if (object && !is_written)
         remove_file(job, step, bit);
     json_decref(object);
+    return is_written;
 }
 
 static lf_status add_state(const lf_farm_job *job, int step, int field, json_t *files,
@@ -253,8 +261,19 @@ void lf_farm_result_begin(const lf_farm_job *job, int step)
 {
     char host[64] = "";
     (void)gethostname(host, sizeof host - 1);
-    write_object(job, step, RUNNING,
-                 json_pack("{s:s, s:I}", "host", host, "pid", (json_int_t)getpid()));
+    (void)write_object(job, step, RUNNING,
+                       json_pack("{s:s, s:I}", "host", host, "pid", (json_int_t)getpid()));
+}
+
+/* A full disk is as full for the next run: the step counts as given up. */
+static int failures_after(int before, const char *words)
+{
+    static const char *const of_disk[] = {"No space left on device", "Disk quota exceeded",
+                                          "make room"};
+    for (size_t i = 0; i < sizeof of_disk / sizeof *of_disk; i++)
+        if (strstr(words, of_disk[i]) && before < LF_FARM_MOST_FAILURES)
+            return LF_FARM_MOST_FAILURES;
+    return before + 1;
 }
 
 void lf_farm_result_end(const lf_farm_job *job, int step, double cpu_seconds, double seconds,
@@ -263,13 +282,24 @@ void lf_farm_result_end(const lf_farm_job *job, int step, double cpu_seconds, do
     lf_farm_result before = {0};
     read_cost(job, step, &before);
     read_failed(job, step, &before);
-    write_object(job, step, COST,
-                 json_pack("{s:f, s:f}", "cpu_seconds", before.cpu_seconds + cpu_seconds, "seconds",
-                           before.seconds + seconds));
+    (void)write_object(job, step, COST,
+                       json_pack("{s:f, s:f}", "cpu_seconds", before.cpu_seconds + cpu_seconds,
+                                 "seconds", before.seconds + seconds));
     if (words)
-        write_object(job, step, FAILED,
-                     json_pack("{s:i, s:s}", "failures", before.failures + 1, "words", words));
+        (void)write_object(job, step, FAILED,
+                           json_pack("{s:i, s:s}", "failures",
+                                     failures_after(before.failures, words), "words", words));
     remove_file(job, step, RUNNING);
+}
+
+void lf_farm_result_abandon(const lf_farm_job *job, int step, lf_farm_result *result)
+{
+    const char *words = "was killed without a word, perhaps because memory was short";
+    if (write_object(job, step, FAILED,
+                     json_pack("{s:i, s:s}", "failures", result->failures + 1, "words", words)))
+        result->failures++;
+    remove_file(job, step, RUNNING);
+    result->is_running = result->is_lost = false;
 }
 
 void lf_farm_result_forgive(const lf_farm_job *job, int step)
@@ -301,13 +331,16 @@ void lf_farm_result_tidy(const lf_farm_job *job, int step)
 }
 
 /* seen: an object whose keys are the names so far. */
-static void add_name(const lf_farm_job *job, const json_t *file, json_t *seen, json_t *names)
+static void add_name(const lf_farm_job *job, const json_t *file, bool if_differing, json_t *seen,
+                     json_t *names)
 {
     const char *name = json_string_value(json_object_get(file, "name"));
     char *path = name ? lf_path_join(job->folder, name) : NULL;
     if (path && !json_object_get(seen, path)) {
         json_object_set_new(seen, path, json_true());
-        json_array_append_new(names, json_string(path));
+        if (!if_differing ||
+            lf_farm_file_compare(job->folder, file, true) == LF_FARM_FILE_OTHER_BYTES)
+            json_array_append_new(names, json_string(path));
     }
     lf_free(path);
 }
@@ -318,18 +351,29 @@ static bool makes_output(const lf_farm_job *job, int step)
     return job->steps[step].rows[0] < 0 && (step >= job->n_tasks || !job->join);
 }
 
-json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results)
+/* results NULL: those that differ, of all steps. */
+static json_t *list_files(const lf_farm_job *job, const lf_farm_result *results)
 {
     json_t *names = json_array(), *seen = json_object();
     for (int i = 0; names && i < job->n_tasks + job->n_finishes; i++) {
-        if (!results[i].complete || !makes_output(job, i))
+        if ((results && !results[i].complete) || !makes_output(job, i))
             continue;
         json_t *receipt = object_of(job, i, RECEIPT), *file;
         size_t at;
         json_array_foreach(json_object_get(receipt, "files"), at, file)
-            add_name(job, file, seen, names);
+            add_name(job, file, !results, seen, names);
         json_decref(receipt);
     }
     json_decref(seen);
     return names;
+}
+
+json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results)
+{
+    return list_files(job, results);
+}
+
+json_t *lf_farm_result_differing(const lf_farm_job *job)
+{
+    return list_files(job, NULL);
 }

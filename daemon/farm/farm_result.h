@@ -13,7 +13,7 @@
 typedef struct lf_farm_result {
     bool complete;
     bool is_running; /* as far as files say; false positive for LF_FARM_SILENT_SECONDS */
-    bool is_lost;    /* it began and has been silent for longer than that */
+    bool is_lost;    /* it began and has been silent for longer, or its process is gone */
     int failures;    /* since it was sent anew by `resume` */
     double cpu_seconds, seconds; /* used so far, in all its runs */
     double silent;               /* seconds since it was last heard of, if it began */
@@ -39,6 +39,8 @@ void lf_farm_result_begin(const lf_farm_job *job, int step);
 /* A run has ended: adds its cost. words: why it failed; NULL: it did not. */
 void lf_farm_result_end(const lf_farm_job *job, int step, double cpu_seconds, double seconds,
                         const char *words);
+/* A run that nobody has and that did not end: counts as a failure, in *result, too. */
+void lf_farm_result_abandon(const lf_farm_job *job, int step, lf_farm_result *result);
 /* Forgets the failures of a step. */
 void lf_farm_result_forgive(const lf_farm_job *job, int step);
 
@@ -49,5 +51,8 @@ void lf_farm_result_tidy(const lf_farm_job *job, int step);
 /* The absolute names of output files that complete steps have made, as an array; a new reference.
  * NULL = out of memory. */
 json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results);
+/* Reads all output files. Those whose bytes are not those of their receipts, as an array like the
+ * one before; a missing file, or one of another size, is not complete, and not among them. */
+json_t *lf_farm_result_differing(const lf_farm_job *job);
 
 #endif

@@ -4,13 +4,17 @@
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "daemon/farm/farm_file.h"
 #include "daemon/farm/farm_process.h"
 #include "daemon/farm/farm_result.h"
+#include "daemon/farm/farm_text.h"
 #include "daemon/output/options.h"
 
 #define RENDERER "quiltrender"
@@ -18,6 +22,8 @@
 /* A network file system may show a new file to other machines only after a minute. */
 #define MOST_NAPS 12
 #define NAP_SECONDS 5
+/* Bytes for receipts, logs and other small files. */
+#define LEAST_ROOM (1 << 20)
 
 /* What all programs of one step share. */
 typedef struct runner {
@@ -372,6 +378,30 @@ static lf_status run_finish(runner *r, lf_error *err)
 
 /* -------------------------------------------------------------------------------------- step -- */
 
+/* A state that cannot be saved is hours of work in vain: asked before, not after. */
+static lf_status check_room(const lf_farm_job *job, lf_error *err)
+{
+    const double needed = json_number_value(json_object_get(job->plan, "state_bytes")) + LEAST_ROOM;
+    struct statvfs fs;
+    char room[32], bytes[32];
+    if (statvfs(job->path, &fs) != 0 || (double)fs.f_bavail * (double)fs.f_frsize >= needed)
+        return LF_OK;
+    return lf_error_set(err, LF_E_STATE, job->path,
+                        "the disk has %s free, and a task needs %s; make room, and resume the job",
+                        lf_farm_bytes((double)fs.f_bavail * (double)fs.f_frsize, room, sizeof room),
+                        lf_farm_bytes(needed, bytes, sizeof bytes));
+}
+
+/* GNU parallel repeats what fails. submit sends no step that has failed so often. */
+static lf_status check_failures(const runner *r, lf_error *err)
+{
+    lf_farm_result result;
+    if (!getenv("PARALLEL_SEQ") || lf_farm_result_read(r->job, r->step, &result, err) != LF_OK ||
+        result.failures < LF_FARM_MOST_FAILURES)
+        return LF_OK;
+    return lf_error_set(err, LF_E_STATE, "", "%s", result.words);
+}
+
 static bool is_complete(const lf_farm_job *job, int step)
 {
     lf_farm_result result;
@@ -382,7 +412,11 @@ static lf_status run(runner *r, lf_error *err)
 {
     char words[sizeof *err];
     lf_farm_result_begin(r->job, r->step);
-    lf_status status = r->step < r->job->n_tasks ? run_task(r, err) : run_finish(r, err);
+    lf_status status = lf_farm_check_same(r->job, err);
+    if (status == LF_OK)
+        status = check_room(r->job, err);
+    if (status == LF_OK)
+        status = r->step < r->job->n_tasks ? run_task(r, err) : run_finish(r, err);
     const bool complete = is_complete(r->job, r->step); /* by another run, perhaps */
     if (status == LF_OK && !complete)
         status = lf_error_set(err, LF_E_STATE, RENDERER, "ended well, but its files are missing");
@@ -403,6 +437,9 @@ lf_status lf_farm_run_step(const lf_farm_job *job, int step, bool quiet, lf_erro
     runner r = {.job = job, .step = step, .quiet = quiet};
     if (is_complete(job, step))
         return LF_OK;
+    const lf_status given_up = check_failures(&r, err);
+    if (given_up != LF_OK)
+        return given_up;
     lf_farm_step_name(job, step, name);
     r.log = lf_farm_job_path(job, "log/%s.log", name);
     r.running = lf_farm_job_path(job, "done/%s.running", name);

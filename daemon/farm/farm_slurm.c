@@ -161,8 +161,12 @@ static const char script[] =
     "#!/bin/sh\n"
     "#SBATCH --requeue\n"
     "#SBATCH --open-mode=append\n"
-    "# task.sbatch task|finish FIRST STRIDE JOB QUILTFARM: written and sent by quiltfarm submit.\n"
+    "# task.sbatch task|finish FIRST STRIDE JOB QUILTFARM ID: written and sent by quiltfarm "
+    "submit.\n"
     "# Index I of the array runs the steps FIRST + I * STRIDE and the next STRIDE - 1 ones.\n"
+    "# ID is of the plan: the folder may have been removed, and another job planned there.\n"
+    "grep -q \"\\\"id\\\": \\\"$6\\\"\" \"$4/job.json\" || { echo \"$4: is not the job that was "
+    "sent\"; exit 1; }\n"
     "first=$(($2 + ${SLURM_ARRAY_TASK_ID:-0} * $3))\n"
     "[ ! -e \"$4/" MARK "\" ] || exit 75\n"
     "\"$5\" \"$1\" \"$4\" \"$first:$((first + $3 - 1))\" &\n"
@@ -245,6 +249,7 @@ static lf_status add_script(const lf_farm_job *job, bool is_task, int first, int
     lf_farm_words_add(words, "%d", stride);
     lf_farm_words_add(words, "%s", job->path);
     lf_farm_words_add(words, "%s", own);
+    lf_farm_words_add(words, "%s", job->id);
     return LF_OK;
 }
 
@@ -282,8 +287,8 @@ static lf_status call_sbatch(const lf_farm_job *job, lf_farm_words *words, int f
 
 static void add_common(const lf_farm_job *job, const char *log, lf_farm_words *words)
 {
-    char name[96];
-    lf_farm_slurm_name(job, name, sizeof name);
+    char name[LF_FARM_SLURM_NAME];
+    lf_farm_slurm_name(job, name);
     lf_farm_words_add(words, "sbatch");
     lf_farm_words_add(words, "--parsable");
     lf_farm_words_add(words, "--job-name=%s", name);
@@ -478,7 +483,7 @@ static lf_status send_slurm(lf_farm_job *job, const lf_farm_batch *batch, json_t
 {
     const int end = job->n_tasks + job->n_finishes;
     arrays a = {0};
-    char name[96];
+    char name[LF_FARM_SLURM_NAME];
     lf_status status = lf_farm_slurm_check_words(batch->words, err);
     if (status == LF_OK)
         status = remove_mark(job, err);
@@ -492,7 +497,7 @@ static lf_status send_slurm(lf_farm_job *job, const lf_farm_batch *batch, json_t
     }
     lf_free(a.finishes);
     lf_free(a.ids);
-    lf_farm_slurm_name(job, name, sizeof name);
+    lf_farm_slurm_name(job, name);
     if (status == LF_OK)
         lf_log(LF_LOG_INFO, "%s: sent to Slurm as %s; see quiltfarm status", job->path, name);
     return status;
@@ -568,10 +573,10 @@ static void take_line(const lf_farm_job *job, const json_t *sent, char *line, lf
 static lf_status look_slurm(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
                             lf_error *err)
 {
-    char name[96];
+    char name[LF_FARM_SLURM_NAME];
     char *text = NULL;
     lf_farm_words words = {0};
-    lf_farm_slurm_name(job, name, sizeof name);
+    lf_farm_slurm_name(job, name);
     lf_farm_words_add(&words, "squeue");
     lf_farm_words_add(&words, "--noheader");
     lf_farm_words_add(&words, "--array");
@@ -591,25 +596,58 @@ static lf_status look_slurm(const lf_farm_job *job, const json_t *sent, lf_farm_
     return status;
 }
 
+/* LF_E_BUSY: Slurm has jobs of a folder that was removed. */
+static lf_status check_slurm(const lf_farm_job *job, const json_t *sent, lf_error *err)
+{
+    lf_farm_words older = {0};
+    lf_status status = lf_farm_slurm_older(job, sent, &older, err);
+    if (status == LF_OK && older.n > 0)
+        status = lf_error_set(err, LF_E_BUSY, job->path,
+                              "Slurm still has %s of an older plan; quiltfarm cancel ends it",
+                              older.list[0]);
+    lf_farm_words_finish(&older);
+    return status;
+}
+
 /* ------------------------------------------------------------------------------------ cancel -- */
 
-static lf_status end_all(const lf_farm_job *job, const json_t *sent, lf_error *err)
+static lf_status end_named(const char *name, const json_t *sent, lf_error *err)
 {
-    char name[96];
-    char *text = NULL, *mark = lf_farm_job_path(job, MARK);
+    char *text = NULL;
     lf_farm_words words = {0};
-    lf_status status = mark ? lf_outfile_text(mark, "by quiltfarm cancel\n", err)
-                            : lf_farm_no_memory(job->path, err);
-    lf_farm_slurm_name(job, name, sizeof name);
     lf_farm_words_add(&words, "scancel");
     lf_farm_slurm_sent_cluster(sent, &words);
     lf_farm_words_add(&words, "--name=%s", name);
     lf_farm_words_add(&words, "--user=%ld", (long)lf_farm_slurm_owner(sent));
-    if (status == LF_OK)
-        status = lf_farm_slurm_call(&words, &text, err);
+    const lf_status status = lf_farm_slurm_call(&words, &text, err);
     lf_farm_words_finish(&words);
     lf_free(text);
+    return status;
+}
+
+static lf_status end_all(const lf_farm_job *job, const json_t *sent, lf_error *err)
+{
+    char name[LF_FARM_SLURM_NAME];
+    char *mark = lf_farm_job_path(job, MARK);
+    const lf_status status = mark ? lf_outfile_text(mark, "by quiltfarm cancel\n", err)
+                                  : lf_farm_no_memory(job->path, err);
     lf_free(mark);
+    lf_farm_slurm_name(job, name);
+    return status == LF_OK ? end_named(name, sent, err) : status;
+}
+
+/* Ends jobs of older plans of the folder. LF_E_STATE: there is none, and this one was not sent. */
+static lf_status end_older(const lf_farm_job *job, const json_t *sent, lf_error *err)
+{
+    lf_farm_words older = {0};
+    lf_status status = lf_farm_slurm_older(job, sent, &older, err);
+    if (status == LF_OK && older.n == 0 && !sent)
+        status = lf_error_set(err, LF_E_STATE, job->path, "was not submitted");
+    for (int i = 0; i < older.n && status == LF_OK; i++) {
+        lf_log(LF_LOG_INFO, "%s: an older plan is cancelled, %s", job->path, older.list[i]);
+        status = end_named(older.list[i], sent, err);
+    }
+    lf_farm_words_finish(&older);
     return status;
 }
 
@@ -621,7 +659,10 @@ static lf_status cancel_slurm(const lf_farm_job *job, const json_t *sent, lf_err
         return lf_error_set(err, LF_E_STATE, job->path,
                             "was submitted by user %ld, who has to cancel it",
                             (long)lf_farm_slurm_owner(sent));
-    lf_status status = end_all(job, sent, err);
+    lf_status status = end_older(job, sent, err);
+    if (status != LF_OK || !sent)
+        return status;
+    status = end_all(job, sent, err);
     int n = 0;
     while (status == LF_OK && n < MOST_WAIT_TENTHS && lf_farm_job_is_locked(job)) {
         nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
@@ -635,5 +676,8 @@ static lf_status cancel_slurm(const lf_farm_job *job, const json_t *sent, lf_err
     return status;
 }
 
-const lf_farm_engine lf_farm_slurm = {
-    .name = "slurm", .send = send_slurm, .look = look_slurm, .cancel = cancel_slurm};
+const lf_farm_engine lf_farm_slurm = {.name = "slurm",
+                                      .send = send_slurm,
+                                      .look = look_slurm,
+                                      .check = check_slurm,
+                                      .cancel = cancel_slurm};

@@ -9,8 +9,13 @@
 /* Runs one of Slurm's programs; *out_text (lf_free): what it prints. The user's filters of squeue
  * and scancel in the environment are forgotten. LF_E_IO: it is not there, or failed. */
 LF_NODISCARD lf_status lf_farm_slurm_call(lf_farm_words *words, char **out_text, lf_error *err);
-/* The name of the job in the queue: of its folder, and unique by its path. */
-void lf_farm_slurm_name(const lf_farm_job *job, char *buf, size_t size);
+/* The name of the job in the queue: of its folder, with hashes of its path and of its plan. */
+#define LF_FARM_SLURM_NAME 128
+void lf_farm_slurm_name(const lf_farm_job *job, char buf[LF_FARM_SLURM_NAME]);
+/* The names in the queue of older plans of the folder, each once: it was removed while Slurm had
+ * them. Release with lf_farm_words_finish. LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_farm_slurm_older(const lf_farm_job *job, const json_t *sent,
+                                           lf_farm_words *out, lf_error *err);
 
 /* Adds the cluster that the words for sbatch name, if they do. */
 void lf_farm_slurm_cluster(char *const *given, lf_farm_words *words);

@@ -43,7 +43,8 @@ lf_status lf_farm_slurm_call(lf_farm_words *words, char **out_text, lf_error *er
     return status;
 }
 
-void lf_farm_slurm_name(const lf_farm_job *job, char *buf, size_t size)
+/* What the names of all plans of a folder begin with. Returns its length. */
+static int name_of_folder(const lf_farm_job *job, char buf[LF_FARM_SLURM_NAME])
 {
     uint32_t hash = 2166136261U; /* FNV-1a */
     const char *folder = strrchr(job->path, '/');
@@ -54,7 +55,47 @@ void lf_farm_slurm_name(const lf_farm_job *job, char *buf, size_t size)
     for (const char *c = folder ? folder + 1 : job->path; *c && n < sizeof plain - 1; c++)
         plain[n++] = isalnum((unsigned char)*c) ? *c : '_';
     plain[n] = '\0';
-    snprintf(buf, size, "%s-%08x", plain, hash);
+    return snprintf(buf, LF_FARM_SLURM_NAME, "%s-%08x-", plain, hash);
+}
+
+void lf_farm_slurm_name(const lf_farm_job *job, char buf[LF_FARM_SLURM_NAME])
+{
+    const int n = name_of_folder(job, buf);
+    snprintf(buf + n, LF_FARM_SLURM_NAME - (size_t)n, "%s", job->id);
+}
+
+static bool has_word(const lf_farm_words *words, const char *word)
+{
+    for (int i = 0; i < words->n; i++)
+        if (strcmp(words->list[i], word) == 0)
+            return true;
+    return false;
+}
+
+lf_status lf_farm_slurm_older(const lf_farm_job *job, const json_t *sent, lf_farm_words *out,
+                              lf_error *err)
+{
+    char own[LF_FARM_SLURM_NAME], folder[LF_FARM_SLURM_NAME];
+    const size_t n = (size_t)name_of_folder(job, folder);
+    lf_farm_words words = {0};
+    char *text = NULL, *rest = NULL;
+    lf_farm_slurm_name(job, own);
+    lf_farm_words_add(&words, "squeue");
+    lf_farm_words_add(&words, "--noheader");
+    lf_farm_slurm_sent_cluster(sent, &words);
+    lf_farm_words_add(&words, "--user=%ld", (long)lf_farm_slurm_owner(sent));
+    lf_farm_words_add(&words, "--format=%%j");
+    lf_status status = lf_farm_slurm_call(&words, &text, err);
+    lf_farm_words_finish(&words);
+    *out = (lf_farm_words){0};
+    for (char *name = text ? strtok_r(text, "\n", &rest) : NULL; name;
+         name = strtok_r(NULL, "\n", &rest))
+        if (strncmp(name, folder, n) == 0 && strcmp(name, own) != 0 && !has_word(out, name))
+            lf_farm_words_add(out, "%s", name);
+    lf_free(text);
+    if (status == LF_OK && out->failed)
+        status = lf_farm_no_memory("squeue", err);
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------- words -- */

@@ -13,7 +13,8 @@
 /* Everything about a job at one time. */
 typedef struct report {
     lf_farm_job job;
-    json_t *sent; /* NULL: never submitted */
+    json_t *sent;      /* NULL: never submitted */
+    json_t *differing; /* output files that are not as their receipts; NULL: not looked at */
     lf_farm_result *results;
     lf_farm_queue queue;
     bool asked;                                            /* the engine has answered */
@@ -131,6 +132,7 @@ static void release(report *r)
 {
     lf_farm_queue_finish(&r->queue);
     lf_free(r->results);
+    json_decref(r->differing);
     json_decref(r->sent);
     lf_farm_job_close(&r->job);
 }
@@ -178,6 +180,8 @@ static void print_json(const report *r)
         r->spent / 3600, "cpu_hours_left", r->left / 3600, "failed", steps_json(r, false), "lost",
         steps_json(r, true), "note", r->queue.note, "outputs",
         lf_farm_result_files(job, r->results));
+    if (r->differing)
+        json_object_set(json, "differing", r->differing);
     json_dumpf(json, stdout, JSON_INDENT(2));
     putchar('\n');
     json_decref(json);
@@ -202,6 +206,15 @@ static void print_steps(const report *r)
     }
     if (n > MOST_LINES)
         printf("  and %d more; --json lists all\n", n - MOST_LINES);
+}
+
+static void print_differing(const report *r)
+{
+    const size_t n = json_array_size(r->differing);
+    for (size_t i = 0; i < n && i < MOST_LINES; i++)
+        printf("  differs   %s\n", json_string_value(json_array_get(r->differing, i)));
+    if (n > MOST_LINES)
+        printf("  and %zu more; --json lists all\n", n - MOST_LINES);
 }
 
 static void print_next(const report *r)
@@ -237,17 +250,26 @@ static void print_text(const report *r)
     if (r->queue.note[0] != '\0')
         printf("  note      %s\n", r->queue.note);
     print_steps(r);
+    print_differing(r);
     print_next(r);
 }
 
 lf_status lf_farm_status(const lf_farm_command *c, lf_error *err)
 {
     report r = {.job.lock_fd = -1};
-    const lf_status status = read_report(c->job, &r, err);
+    lf_status status = read_report(c->job, &r, err);
+    if (status == LF_OK && c->options->check && !(r.differing = lf_farm_result_differing(&r.job)))
+        status = lf_farm_no_memory(c->job, err);
     if (status == LF_OK && c->options->json)
         print_json(&r);
     else if (status == LF_OK)
         print_text(&r);
+    const size_t n = json_array_size(r.differing);
+    if (status == LF_OK && n > 0)
+        status = lf_error_set(err, LF_E_STATE, r.job.path,
+                              "%zu output file%s not as rendered; quiltfarm resume --check makes "
+                              "%s again",
+                              n, n == 1 ? " is" : "s are", n == 1 ? "it" : "them");
     release(&r);
     return status;
 }

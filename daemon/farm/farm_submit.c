@@ -1,12 +1,15 @@
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
 #include "base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/farm_engine.h"
+#include "daemon/farm/farm_file.h"
 #include "daemon/farm/farm_process.h"
 #include "daemon/farm/farm_run.h"
 
@@ -38,6 +41,7 @@ static bool can_be_reached(const lf_farm_job *job, const lf_farm_result *results
     return true;
 }
 
+/* Nobody has a step of this job any more, so a run that did not end was killed. */
 static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *out, lf_error *err)
 {
     const int n = job->n_tasks + job->n_finishes;
@@ -47,9 +51,11 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
         return status;
     out->wanted = lf_calloc((size_t)n, sizeof *out->wanted);
     for (int i = 0; i < n && out->wanted; i++) {
-        const bool given_up = results[i].failures >= LF_FARM_MOST_FAILURES && !forgives;
         if (results[i].complete)
             continue;
+        if (results[i].is_running || results[i].is_lost)
+            lf_farm_result_abandon(job, i, &results[i]);
+        const bool given_up = results[i].failures >= LF_FARM_MOST_FAILURES && !forgives;
         if (results[i].failures > 0 && forgives)
             lf_farm_result_forgive(job, i);
         out->n_given_up += given_up;
@@ -62,6 +68,25 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
     return out->wanted ? LF_OK : lf_farm_no_memory(job->path, err);
 }
 
+/* Removes output files that are not as their receipts say, so that their steps are not complete. */
+static lf_status remove_differing(const lf_farm_job *job, lf_error *err)
+{
+    json_t *names = lf_farm_result_differing(job);
+    lf_status status = names ? LF_OK : lf_farm_no_memory(job->path, err);
+    const json_t *entry;
+    size_t i;
+    json_array_foreach(names, i, entry)
+    {
+        const char *name = json_string_value(entry);
+        lf_log(LF_LOG_INFO, "%s: is not as rendered; it is made again", name);
+        if (unlink(name) != 0 && status == LF_OK)
+            status =
+                lf_error_set(err, LF_E_IO, name, "cannot be removed: %s", lf_errno_text(errno));
+    }
+    json_decref(names);
+    return status;
+}
+
 /* LF_E_BUSY: the engine has steps of this job, or of a removed one of the same name. */
 static lf_status check_idle(const lf_farm_job *job, const json_t *sent, lf_error *err)
 {
@@ -71,10 +96,17 @@ static lf_status check_idle(const lf_farm_job *job, const json_t *sent, lf_error
     const int n = queue.n_queued + queue.n_running;
     json_decref(nothing);
     lf_farm_queue_finish(&queue);
-    if (status == LF_OK && n > 0)
+    if (status == LF_OK && job->engine->check)
+        status = job->engine->check(job, sent, err);
+    if (status == LF_OK && n > 0 && job->engine == &lf_farm_slurm)
         status = lf_error_set(err, LF_E_BUSY, job->path,
                               "was submitted already: %s has %d of its steps; see quiltfarm status",
                               job->engine->name, n);
+    else if (status == LF_OK && n > 0)
+        status = lf_error_set(err, LF_E_BUSY, job->path,
+                              "%d of its steps run, or were lost in the last 5 minutes; end them, "
+                              "or try again later",
+                              n);
     return status;
 }
 
@@ -139,11 +171,15 @@ static lf_status submit(const lf_farm_command *c, bool forgives, lf_error *err)
     selection s = {0};
     lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
+        status = lf_farm_check_release(&job, err);
+    if (status == LF_OK)
         status = lf_farm_job_lock(&job, err);
     if (status == LF_OK)
         status = lf_farm_job_read(&job, SENT, &before, err);
     if (status == LF_OK)
         status = check_idle(&job, before, err);
+    if (status == LF_OK && c->options->check)
+        status = remove_differing(&job, err);
     if (status == LF_OK)
         status = select_steps(&job, forgives, &s, err);
     if (status == LF_OK && !(record = new_record(c, forgives ? before : NULL)))
@@ -174,7 +210,7 @@ lf_status lf_farm_cancel(const lf_farm_command *c, lf_error *err)
     lf_status status = open_mine(c->job, &job, err);
     if (status == LF_OK)
         status = lf_farm_job_read(&job, SENT, &sent, err);
-    if (status == LF_OK && !sent)
+    if (status == LF_OK && !sent && job.engine != &lf_farm_slurm)
         status = lf_error_set(err, LF_E_STATE, job.path, "was not submitted");
     if (status == LF_OK)
         status = job.engine->cancel(&job, sent, err);

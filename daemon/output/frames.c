@@ -30,6 +30,8 @@ const lf_param lf_frames_params[] = {
      .high = LF_MAX_CAMERA_ROWS - 1},
     {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
      .help = "re-render frames whose files exist"},
+    {.option = "mixed", PLACE(mixed), .type = LF_PARAM_SWITCH,
+     .help = "keep or join frames that were rendered with other settings"},
     {0},
 };
 /* clang-format on */

@@ -16,6 +16,7 @@ typedef struct lf_frames {
     bool has_range; /* first and last were given */
     bool of_rows;   /* first and last are rows of cameras */
     bool overwrite; /* render frames again whose files exist */
+    bool mixed;     /* accept files that were rendered with other settings */
 } lf_frames;
 extern const lf_param lf_frames_params[];
 

@@ -30,6 +30,8 @@ typedef struct lf_hologram_preset {
     int views, width, height;   /* of a view in pixels; width 0: by the aspect */
     bool on_track;              /* equal spacing instead of equal angles */
     double cone;                /* degrees; 0: the scene's */
+    double pitch_mm;            /* of its hogels, if pixels of views are not hogels; 0: they are */
+    const char *note;           /* what of this is not published */
     double width_mm, height_mm; /* of its plate; 0: any */
 } lf_hologram_preset;
 /* NULL after the last index. */
@@ -47,18 +49,19 @@ LF_NODISCARD lf_status lf_hologram_patch(const lf_hologram_options *options,
                                          lf_error *err);
 
 /* The plate of the cameras of settings, with all rows. LF_E_ARG: the size of the plate has another
- * shape than a grid of cells. */
+ * shape than a grid of cells, or cells have one row of directions. */
 LF_NODISCARD lf_status lf_hologram_plate(const lf_hologram_options *options,
                                          const lf_render_settings *settings, lf_plate *out,
                                          lf_error *err);
-/* Shift of the scene's nearest and farthest object from direction to direction, in cells: negative
- * in front of the plate. */
+/* Shift of the scene's nearest and farthest object from one u to the next, in cells: negative in
+ * front of the plate. From one v to the next it is `vertical` times this; 0: there is one. If a
+ * preset says how large hogels are, these are the cells. */
 typedef struct lf_hologram_depth {
-    double nearest, farthest;
+    double nearest, farthest, vertical;
 } lf_hologram_depth;
 /* False: unknown. */
-bool lf_hologram_measure(const lf_scene *scene, const lf_render_settings *settings,
-                         lf_hologram_depth *out);
+bool lf_hologram_measure(const lf_hologram_options *options, const lf_scene *scene,
+                         const lf_render_settings *settings, lf_hologram_depth *out);
 /* A warning in words, or "": details are soft above 4 cells and doubled above 8; cameras in the
  * plate do not see what is in front of it. Returns buf. */
 char *lf_hologram_depth_words(const lf_hologram_depth *depth, const lf_camera *camera, char *buf,
@@ -72,7 +75,7 @@ json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *pl
 /* Writes the files of a task of the plate into request->path from the views of its cameras. */
 LF_NODISCARD lf_status lf_hologram_write(const lf_output_request *request,
                                          const lf_output_source *source, const lf_plate *plate,
-                                         int task, lf_error *err);
+                                         const json_t *facts, int task, lf_error *err);
 /* Finishes the plate in request->path (lf_plate_finish). */
 LF_NODISCARD lf_status lf_hologram_finish(const lf_output_request *request, const lf_plate *plate,
                                           const json_t *facts, lf_error *err);

@@ -6,23 +6,27 @@
 #include "daemon/output/hologram.h"
 
 /* litiholo: the published specification as read by github.com/Flux-Frontiers/quiltwright
- * (docs/lfd.md): horizontal parallax, 23 views over 45 degrees, 4x5 inch; that program sends
- * 1600x2000 pixels. track: rabbitholes.com, "rendering & printing a hologram": a camera on a
- * straight track, up to 1280 frames; the angle is the scene's. */
+ * (docs/lfd.md): horizontal parallax, 23 views over 45 degrees, 4x5 inch, hogels of 1 mm; that
+ * program sends 1600x2000 pixels. track: rabbitholes.com, "rendering & printing a hologram": a
+ * camera on a straight track, up to 1280 frames; the angle is the scene's, 768 rows are ours. */
 static const lf_hologram_preset presets[] = {
     {.name = "litiholo",
-     .what = "23 views, 45 degrees, 4x5 in",
+     .what = "23 views, 45 degrees, 4x5 in, nominal",
      .views = 23,
      .width = 1600,
      .height = 2000,
      .cone = 45,
+     .pitch_mm = 1,
+     .note = "nominal, not tried on a printer: the pixels of a view and the shifted windows of "
+             "cameras are not published; hogels of 1 mm are",
      .width_mm = 101.6,
      .height_mm = 127},
     {.name = "track",
-     .what = "1280 frames on a straight track",
+     .what = "1280 frames on a straight track, nominal",
      .views = 1280,
      .height = 768,
-     .on_track = true},
+     .on_track = true,
+     .note = "nominal, not tried on a printer: the height of a frame is not published"},
 };
 
 const lf_hologram_preset *lf_hologram_preset_at(int index)
@@ -58,7 +62,11 @@ static json_t *rig_of(const lf_hologram_preset *preset, const lf_camera *camera,
     if (preset->on_track)
         return json_pack("{s:{s:{s:i, s:f, s:s}}}", "views", "track", "count", views, "length",
                          2 * distance * tan(0.5 * cone * (M_PI / 180)), "window", "shared");
-    return json_pack("{s:i, s:f, s:s}", "views", views, "cone", cone, "placement", "inclusive");
+    json_t *rig =
+        json_pack("{s:i, s:f, s:s}", "views", views, "cone", cone, "placement", "inclusive");
+    if (preset->cone > 0) /* the printer's angle, whatever the scene's depthiness */
+        json_object_set_new(rig, "depthiness", json_integer(1));
+    return rig;
 }
 
 lf_status lf_hologram_patch(const lf_hologram_options *options, const lf_camera *camera, int views,

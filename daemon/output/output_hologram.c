@@ -128,11 +128,47 @@ static void find_plate(const lf_camera *camera, double out[2])
     out[0] = out[1] * camera->aspect;
 }
 
+/* The printer's hogels, if pixels of views are finer. */
+static bool find_hogels(const lf_hologram_options *options, const lf_render_settings *settings,
+                        int out[2])
+{
+    const lf_hologram_preset *preset = lf_hologram_preset_of(options);
+    if (!preset || !(preset->pitch_mm > 0) || !(options->width_mm > 0))
+        return false;
+    out[0] = (int)fmax(1, round(options->width_mm / preset->pitch_mm));
+    out[1] = (int)fmax(1, round(options->height_mm / preset->pitch_mm));
+    return out[0] < settings->width && out[1] < settings->height;
+}
+
+/* Whether the options fit the cameras. */
+static lf_status check_plate(const lf_hologram_options *options, const lf_render_settings *settings,
+                             lf_error *err)
+{
+    double size[2];
+    int hogels[2];
+    if (is_cell(&settings->camera) && settings->height == 1)
+        return lf_error_set(err, LF_E_ARG, "--view-size",
+                            "cells need several rows of directions; for horizontal parallax only, "
+                            "use one row of eyes (\"window\": \"shared\")");
+    find_plate(&settings->camera, size);
+    if (options->width_mm > 0 && size[0] > 0 && size[1] > 0 &&
+        fabs(options->width_mm * size[1] / (options->height_mm * size[0]) - 1) > MOST_STRETCH)
+        return lf_error_set(err, LF_E_ARG, "--plate-size",
+                            "the grid of cells is %.4g times as wide as high, the plate %.4g "
+                            "times; change one of them",
+                            size[0] / size[1], options->width_mm / options->height_mm);
+    if (find_hogels(options, settings, hogels) && options->form != LF_PLATE_VIEWS)
+        return lf_error_set(err, LF_E_ARG, "--hologram-preset",
+                            "the printer makes %dx%d hogels from finer pixels; use --hologram "
+                            "views, or --view-size %dx%d",
+                            hogels[0], hogels[1], hogels[0], hogels[1]);
+    return LF_OK;
+}
+
 lf_status lf_hologram_plate(const lf_hologram_options *options, const lf_render_settings *settings,
                             lf_plate *out, lf_error *err)
 {
     const lf_camera *camera = &settings->camera;
-    double size[2];
     lf_plate plate = {.columns = columns_of(camera),
                       .rows = rows_of(camera),
                       .width = settings->width,
@@ -142,18 +178,18 @@ lf_status lf_hologram_plate(const lf_hologram_options *options, const lf_render_
                       .format = options->format,
                       .camera_is_cell = is_cell(camera),
                       .is_grey = options->is_grey};
-    find_plate(camera, size);
-    if (options->width_mm > 0 && size[0] > 0 && size[1] > 0 &&
-        fabs(options->width_mm * size[1] / (options->height_mm * size[0]) - 1) > MOST_STRETCH)
-        return lf_error_set(err, LF_E_ARG, "--plate-size",
-                            "the grid of cells is %.4g times as wide as high, the plate %.4g "
-                            "times; change one of them",
-                            size[0] / size[1], options->width_mm / options->height_mm);
-    const lf_status status =
-        lf_plate_flips_read(options->flip ? options->flip : "", &plate.flips, err);
+    lf_status status = check_plate(options, settings, err);
     if (status == LF_OK)
-        *out = plate;
-    return status;
+        status = lf_plate_flips_read(options->flip ? options->flip : "", &plate.flips, err);
+    if (status != LF_OK)
+        return status;
+    const lf_plate_place n = lf_plate_size(&plate);
+    if (options->width_mm > 0) {
+        plate.per_metre[0] = (int)lround(1000 * n.hx / options->width_mm);
+        plate.per_metre[1] = (int)lround(1000 * n.hy / options->height_mm);
+    }
+    *out = plate;
+    return LF_OK;
 }
 
 /* ------------------------------------------------------------------------------------- depth -- */
@@ -177,22 +213,58 @@ static bool measure_cells(const lf_scene *scene, const lf_render_settings *setti
         z[1] = fmax(z[1], along);
     }
     const double slope = 2 * tan(0.5 * camera->fov_y) * camera->aspect / settings->width;
-    *out = (lf_hologram_depth){z[0] * slope / spacing[0], z[1] * slope / spacing[0]};
+    out->nearest = z[0] * slope / spacing[0];
+    out->farthest = z[1] * slope / spacing[0];
     return true;
 }
 
-bool lf_hologram_measure(const lf_scene *scene, const lf_render_settings *settings,
-                         lf_hologram_depth *out)
+/* From row to row, a shift is as much larger as steps of eyes are, in cells. */
+static double vertical_of(const lf_render_settings *settings)
+{
+    const lf_camera *camera = &settings->camera;
+    double spacing[2];
+    find_spacing(camera, spacing);
+    if (!(spacing[0] > 0) || !(spacing[1] > 0))
+        return 0;
+    const double pixel = settings->width / (camera->aspect * settings->height); /* high by wide */
+    return is_cell(camera) ? pixel * spacing[0] / spacing[1] : spacing[1] / spacing[0] / pixel;
+}
+
+/* The cells of shifts, in pixels of views. */
+static double pixels_a_cell(const lf_hologram_options *options, const lf_render_settings *settings)
+{
+    int hogels[2];
+    return find_hogels(options, settings, hogels) ? (double)settings->width / hogels[0] : 1;
+}
+
+/* Eyes. */
+static bool measure_views(const lf_scene *scene, const lf_render_settings *settings,
+                          lf_hologram_depth *out)
 {
     lf_render_settings row = *settings;
     lf_depth depth;
-    if (is_cell(&settings->camera))
-        return measure_cells(scene, settings, out);
+    if (columns_of(&row.camera) == 1) /* it has no shift from u to u */
+        return false;
     if (row.camera.n_rows > 0)
         row.camera = lf_camera_row(&settings->camera, row.camera.n_rows / 2);
     if (!lf_scene_depth(scene, &row, &depth))
         return false;
-    *out = (lf_hologram_depth){depth.nearest_step, depth.farthest_step};
+    out->nearest = depth.nearest_step;
+    out->farthest = depth.farthest_step;
+    return true;
+}
+
+bool lf_hologram_measure(const lf_hologram_options *options, const lf_scene *scene,
+                         const lf_render_settings *settings, lf_hologram_depth *out)
+{
+    const bool is_known = is_cell(&settings->camera) ? measure_cells(scene, settings, out)
+                                                     : measure_views(scene, settings, out);
+    if (!is_known)
+        return false;
+    const double pixels = pixels_a_cell(options, settings);
+    out->nearest /= pixels;
+    out->farthest /= pixels;
+    out->vertical = vertical_of(settings);
     return true;
 }
 
@@ -200,7 +272,7 @@ char *lf_hologram_depth_words(const lf_hologram_depth *depth, const lf_camera *c
                               size_t size)
 {
     const bool is_before = -depth->nearest > depth->farthest, blurs = camera->view_blur >= 1;
-    const double shift = is_before ? -depth->nearest : depth->farthest;
+    const double shift = (is_before ? -depth->nearest : depth->farthest) * fmax(1, depth->vertical);
     buf[0] = '\0';
     if (is_cell(camera) && depth->nearest < 0)
         snprintf(buf, size,
@@ -208,11 +280,13 @@ char *lf_hologram_depth_words(const lf_hologram_depth *depth, const lf_camera *c
                  "them; use a grid with \"window\": \"shared\"");
     else if (shift > SOFT_SHIFT)
         snprintf(buf, size,
-                 "objects %s the plate shift by %.1f cells from view to view; above %.0f they are "
-                 "%s; use more views or less depth%s",
+                 "objects %s the plate shift by %.1f cells from %s; above %.0f they are "
+                 "%s; use more %s or less depth%s",
                  is_before ? "in front of" : "behind", fmin(shift, 1e6),
+                 depth->vertical > 1 ? "row to row" : "view to view",
                  shift > GHOST_SHIFT && !blurs ? GHOST_SHIFT : SOFT_SHIFT,
                  shift > GHOST_SHIFT && !blurs ? "doubled" : "soft",
+                 depth->vertical > 1 ? "rows" : "views",
                  shift > GHOST_SHIFT && !blurs ? ", or view_blur 1" : "");
     return buf;
 }
@@ -228,6 +302,12 @@ static json_t *number_or_null(double value)
 static json_t *pair(const double of[2])
 {
     return of[0] > 0 || of[1] > 0 ? json_pack("[f,f]", of[0], of[1]) : json_null();
+}
+
+/* A shift from one u to the next, and from one v to the next. */
+static json_t *shifts(double shift, const lf_hologram_depth *depth)
+{
+    return json_pack("[o,o]", number_or_null(shift), number_or_null(shift * depth->vertical));
 }
 
 static json_t *aperture_of(const lf_camera *camera, const double spacing[2])
@@ -265,15 +345,31 @@ static json_t *cameras_of(const lf_camera *camera)
     return made;
 }
 
+/* The hogels of a printer that takes finer pixels, in place of the cells. */
+static void put_hogels(const lf_hologram_preset *preset, const int hogels[2], const lf_plate *plate,
+                       json_t *made)
+{
+    const double pitch[2] = {preset->pitch_mm, preset->pitch_mm};
+    json_object_set_new(made, "pixels", json_pack("[i,i]", plate->width, plate->height));
+    json_object_set(made, "pixel_pitch_mm", json_object_get(made, "hogel_pitch_mm"));
+    json_object_set_new(made, "hogels", json_pack("[i,i]", hogels[0], hogels[1]));
+    json_object_set_new(made, "hogel_pitch_mm", pair(pitch));
+    json_object_set_new(made, "layout",
+                        json_string("views/view_U: rows and columns of pixels, which are finer "
+                                    "than hogels"));
+}
+
 json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *plate,
                           const lf_render_settings *settings, const lf_hologram_depth *depth,
                           json_t *recorded)
 {
     const lf_camera *camera = &settings->camera;
+    const lf_hologram_preset *preset = lf_hologram_preset_of(options);
     const lf_plate_place n = lf_plate_size(plate);
     const double mm[2] = {options->width_mm, options->height_mm},
                  pitch[2] = {mm[0] / n.hx, mm[1] / n.hy};
     double size[2];
+    int hogels[2];
     find_plate(camera, size);
     const double a_unit = size[0] > 0 ? mm[0] / size[0] : 0;
     json_t *made =
@@ -283,10 +379,15 @@ json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *pl
                   "preset", options->preset, "settings", recorded);
     if (made && depth)
         json_object_set_new(made, "shift",
-                            json_pack("{s:o, s:o}", "nearest", number_or_null(depth->nearest),
-                                      "farthest", number_or_null(depth->farthest)));
+                            json_pack("{s:o, s:o}", "nearest", shifts(depth->nearest, depth),
+                                      "farthest", shifts(depth->farthest, depth)));
+    if (made && preset)
+        json_object_set_new(made, "preset_note", json_string(preset->note));
+    if (made && find_hogels(options, settings, hogels))
+        put_hogels(preset, hogels, plate, made);
     if (made)
-        json_object_set_new(made, "units", json_string("scene units; degrees; shift in cells"));
+        json_object_set_new(made, "units",
+                            json_string("scene units; degrees; shift in cells, [u, v]"));
     return made;
 }
 
@@ -326,7 +427,7 @@ static lf_plate_run run_of(const lf_output_request *request)
 }
 
 lf_status lf_hologram_write(const lf_output_request *request, const lf_output_source *source,
-                            const lf_plate *plate, int task, lf_error *err)
+                            const lf_plate *plate, const json_t *facts, int task, lf_error *err)
 {
     const lf_views32 *in = &source->views32;
     const lf_plate_run run = run_of(request);
@@ -335,7 +436,7 @@ lf_status lf_hologram_write(const lf_output_request *request, const lf_output_so
     lf_status status = samples ? encode(request, source, plate, samples, err)
                                : lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
     if (status == LF_OK)
-        status = lf_plate_write_task(plate, request->path, task, samples, &run, err);
+        status = lf_plate_write_task(plate, request->path, facts, task, samples, &run, err);
     lf_free(samples);
     return status;
 }

@@ -10,7 +10,7 @@ lf_status output_check_cancel(const lf_output_request *request, lf_error *err);
 void output_progress(const lf_output_request *request, double fraction);
 
 /* The attributes in request->settings. */
-#define OUTPUT_MAX_ATTRIBUTES 32
+#define OUTPUT_MAX_ATTRIBUTES 40
 typedef struct output_attributes {
     int n;
     lf_attribute list[OUTPUT_MAX_ATTRIBUTES];

@@ -114,9 +114,10 @@ static const char *lie_of(const json_t *head, const lf_part_head *part)
     if (film->n_streams == 1 && streams == 1 &&
         (film->seed != seed_of(head) || film->stream != (uint32_t)number_or(head, "stream", 0)))
         return "its seed and stream";
-    if (part->complete &&
-        (film->n_rows != rows[1] - rows[0] + 1 || film->least_passes != (double)part->passes ||
-         film->most_passes != (double)part->passes))
+    const bool of_passes = json_object_get(json_object_get(head, "budget"), "passes");
+    if (part->complete && (film->n_rows != rows[1] - rows[0] + 1 ||
+                           (of_passes && (film->least_passes != (double)part->passes ||
+                                          film->most_passes != (double)part->passes))))
         return "being complete";
     return NULL;
 }

@@ -112,17 +112,13 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
 
 void lf_job_state_differences(const json_t *there, const json_t *of, char *words, size_t size)
 {
-    static const char *const keys[][2] = {{"frame", "the frame"},
-                                          {"camera_row", "the row of cameras"},
-                                          {"shutter_part", "the part of the shutter"},
-                                          {"rows", "the image rows"},
-                                          {"stream", "the random stream"},
-                                          {"views", "the number of views"},
-                                          {"width", "the views' width"},
-                                          {"height", "the views' height"},
-                                          {"seed", "the seed"},
-                                          {"integrator", "the integrator"},
-                                          {"reconstruct", "--denoise"}};
+    static const char *const keys[][2] = {
+        {"quiltd", "the release of quiltd"},  {"frame", "the frame"},
+        {"camera_row", "the row of cameras"}, {"shutter_part", "the part of the shutter"},
+        {"rows", "the image rows"},           {"stream", "the random stream"},
+        {"views", "the number of views"},     {"width", "the views' width"},
+        {"height", "the views' height"},      {"seed", "the seed"},
+        {"integrator", "the integrator"},     {"reconstruct", "--denoise"}};
     const json_t *hashes = json_object_get(there, "hashes"), *ours = json_object_get(of, "hashes");
     words[0] = '\0';
     if (differs(hashes, ours, "scene"))

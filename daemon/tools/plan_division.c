@@ -5,6 +5,9 @@
 
 #include "base/alloc.h"
 
+/* Bands of a light field if the limit of memory cannot be met by any number of them. */
+#define MOST_VAIN_BANDS 16
+
 /* A job while it is divided. */
 typedef struct division {
     const lf_plan_job *job;
@@ -149,12 +152,21 @@ static lf_plan_cost close_cost(const division *d)
                           fmax(m->loading, m->base + m->close.memory)};
 }
 
+double lf_plan_least_memory(const lf_plan_job *job, const lf_plan_model *m)
+{
+    const bool has_bands = job->can_band && m->height > 1;
+    return memory_of(m, has_bands ? 1 : m->height, !has_bands && !job->is_joined);
+}
+
 /* Unknown times are within every limit. */
+static bool is_short(const division *d, const lf_plan_cost *cost)
+{
+    return !(d->limits->cpu_seconds > 0) || cost->cpu_seconds <= d->limits->cpu_seconds;
+}
+
 static bool fits(const division *d, const lf_plan_cost *cost)
 {
-    const lf_plan_limits *l = d->limits;
-    return (!(l->cpu_seconds > 0) || cost->cpu_seconds <= l->cpu_seconds) &&
-           (!(l->memory > 0) || cost->memory <= l->memory);
+    return is_short(d, cost) && (!(d->limits->memory > 0) || cost->memory <= d->limits->memory);
 }
 
 /* -------------------------------------------------------------------------------------- rows -- */
@@ -224,9 +236,11 @@ static band_limits limits_of_bands(const division *d, int field, double total)
         const double most = fmax(d->limits->cpu_seconds - begin, begin);
         limits.share = total / fmin(fmax(1, ceil(total / most)), m->height);
     }
-    if (d->limits->memory > 0)
+    if (d->limits->memory >= lf_plan_least_memory(d->job, m))
         limits.n_rows =
             (int)fmin(fmax(1, floor((d->limits->memory - m->base) / m->row)), m->height);
+    else if (d->limits->memory > 0)
+        limits.n_rows = (m->height + MOST_VAIN_BANDS - 1) / MOST_VAIN_BANDS;
     const int n_bands = (m->height + limits.n_rows - 1) / limits.n_rows; /* of like size */
     limits.n_rows = (m->height + n_bands - 1) / n_bands;
     if (!knows_time(m)) /* equal bands */
@@ -300,7 +314,7 @@ static int end_of_fields(const division *d, int first)
         return last;
     for (; last < job->last && !wants_bands(d, last + 1); last++) {
         cost.cpu_seconds += field_cpu(d, last + 1, false);
-        if (!fits(d, &cost))
+        if (!is_short(d, &cost)) /* more of them need no more memory */
             break;
     }
     return last;

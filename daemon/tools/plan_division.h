@@ -87,8 +87,11 @@ typedef struct lf_plan_division {
     lf_plan_finish *finishes;
 } lf_plan_division;
 
+/* The memory of the smallest task that a job can be divided into. */
+double lf_plan_least_memory(const lf_plan_job *job, const lf_plan_model *model);
 /* Divides a job so that tasks stay within the limits. A task that cannot be divided further may
  * exceed them. Bands cost about the same. A band lasts at least as long as a task needs to begin.
+ * A limit of memory below the smallest task makes a few bands only.
  * LF_E_ARG: more than LF_PLAN_MOST_TASKS; LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_plan_divide(const lf_plan_job *job, const lf_plan_model *model,
                                       const lf_plan_limits *limits, lf_plan_division *out,

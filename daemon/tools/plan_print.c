@@ -1,10 +1,13 @@
 /* A plan as text for a shell and as JSON. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/version.h"
 #include "daemon/tools/plan.h"
+#include "daemon/tools/plan_inputs.h"
 
 /* ------------------------------------------------------------------------------------- words -- */
 
@@ -64,18 +67,20 @@ static void print_time(const char *what, double seconds)
                             : "seconds");
 }
 
-/* The dearest task, the largest memory, and the time of all; negative times: unknown. */
-static lf_plan_cost most_of(const lf_plan_division *d, double *out_all)
+/* The dearest task, the largest memory of tasks and finishes, and the time of all; negative times:
+ * unknown. */
+static lf_plan_cost most_of(const lf_plan_division *d, double *out_finish, double *out_all)
 {
     lf_plan_cost most = {-1, 0};
+    *out_finish = 0;
     *out_all = 0;
     for (int i = 0; i < d->n_tasks + d->n_finishes; i++) {
         const bool is_task = i < d->n_tasks;
         const lf_plan_cost *cost = is_task ? &d->tasks[i].cost : &d->finishes[i - d->n_tasks].cost;
         if (is_task && cost->cpu_seconds > most.cpu_seconds)
             most.cpu_seconds = cost->cpu_seconds;
-        if (cost->memory > most.memory)
-            most.memory = cost->memory;
+        double *memory = is_task ? &most.memory : out_finish;
+        *memory = cost->memory > *memory ? cost->memory : *memory;
         *out_all += cost->cpu_seconds;
     }
     if (most.cpu_seconds < 0)
@@ -100,9 +105,11 @@ static void print_light_fields(const lf_rendering *r, const lf_plan *plan)
 static void print_costs(const lf_rendering *r, const lf_plan *plan)
 {
     const lf_plan_division *d = &plan->division;
-    double all;
-    const lf_plan_cost most = most_of(d, &all);
+    double all, finish;
+    const lf_plan_cost most = most_of(d, &finish, &all);
     print_amount("memory of a task", most.memory, "B");
+    if (d->n_finishes > 0)
+        print_amount("memory of a finish", finish, "B");
     if (d->n_tasks > 1)
         printf("# %-22s %d\n", "tasks", d->n_tasks);
     if (all < 0) {
@@ -327,8 +334,8 @@ static double state_bytes(const lf_plan *plan)
 static json_t *plan_json(const lf_rendering *r, const lf_plan *plan)
 {
     const int fields[2] = {plan->job.first, plan->job.last}, none[2] = {0, -1};
-    double all;
-    const lf_plan_cost most = most_of(&plan->division, &all);
+    double all, finish;
+    const lf_plan_cost most = most_of(&plan->division, &finish, &all);
     json_t *command = lf_plan_command(r, plan);
     if (!command || json_array_insert_new(command, 0, json_string(LF_RENDER_PROGRAM)) != 0)
         return NULL;
@@ -338,18 +345,28 @@ static json_t *plan_json(const lf_rendering *r, const lf_plan *plan)
         range_json(plan->option ? fields : none), "kind", lf_rendering_kind(r)->name, "views",
         plan->n_views, "width", plan->width, "height", plan->height, "light_fields",
         fields[1] - fields[0] + 1, "cpu_seconds", seconds_json(all), "memory",
-        bytes_json(most.memory), "files_bytes", bytes_json(plan->files_bytes), "state_bytes",
-        bytes_json(state_bytes(plan)), "threads", lf_pool_threads(r->pool), "frames_output",
-        plan->frames, "tasks", tasks_json(&plan->division), "finishes",
+        bytes_json(fmax(most.memory, finish)), "files_bytes", bytes_json(plan->files_bytes),
+        "state_bytes", bytes_json(state_bytes(plan)), "threads", lf_pool_threads(r->pool),
+        "frames_output", plan->frames, "tasks", tasks_json(&plan->division), "finishes",
         finishes_json(&plan->division));
     if (object && plan->frames)
         json_object_set_new(object, "join", lf_plan_join_command(r, plan));
+    if (object)
+        json_object_set_new(object, "quiltd", json_string(LF_VERSION));
     return object;
 }
 
 lf_status lf_plan_print_json(const lf_rendering *r, const lf_plan *plan, lf_error *err)
 {
+    json_t *inputs = NULL;
+    const lf_status status = lf_plan_inputs_end(&inputs, err);
+    if (status != LF_OK)
+        return status;
     json_t *object = plan_json(r, plan);
+    if (!object || json_object_set_new(object, "inputs", inputs) != 0) {
+        json_decref(object);
+        object = NULL;
+    }
     const bool is_done =
         object && json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) == 0;
     json_decref(object);

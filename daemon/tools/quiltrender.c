@@ -12,6 +12,7 @@
 #include "base/thread.h"
 #include "daemon/tools/batch.h"
 #include "daemon/tools/job_state.h"
+#include "daemon/tools/plan_inputs.h"
 #include "daemon/tools/read_chart.h"
 #include "daemon/tools/receipt.h"
 #include "daemon/tools/rendering_plan.h"
@@ -113,6 +114,8 @@ static int run(const lf_render_arguments *a)
     if (a->depth.batch)
         return lf_batch_run(&r);
     lf_import_watch(lf_progress_line_reading, &r.line);
+    if (a->plan.json)
+        lf_plan_inputs_begin();
     lf_status status = lf_rendering_open(&r, &err);
     lf_import_watch(NULL, NULL);
     int code = LF_EXIT_OK;

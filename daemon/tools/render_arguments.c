@@ -445,6 +445,11 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
         return lf_error_set(
             err, LF_E_ARG, "--wiggle",
             "cannot be combined with %s, because it loops through the views of one image", where);
+    if (a->frames.overwrite && (a->state.file || a->plan.on))
+        return lf_error_set(err, LF_E_ARG, "--overwrite",
+                            "cannot be combined with %s, which continues after finished %s; remove "
+                            "the old files first",
+                            a->plan.on ? "--plan" : "--state", lf_frames_noun(&a->frames));
     if (a->frames.of_rows && a->kind == &lf_output_video)
         return lf_error_set(err, LF_E_ARG, where,
                             "cannot be combined with a video; write the rows as quilts or folders");
@@ -522,7 +527,7 @@ static lf_status check_part(const lf_render_arguments *a, lf_error *err)
                         : a->files                             ? "--files"
                         : a->options.target_error > 0          ? "--target-error"
                         : a->options.target_denoised_error > 0 ? "--target-denoised-error"
-                        : s->has_rows && a->budget.seconds > 0 ? "--time"
+                        : a->budget.seconds > 0                ? "--time"
                                                                : NULL;
     if (!s->file)
         return lf_error_set(err, LF_E_ARG, where,

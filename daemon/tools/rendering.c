@@ -370,6 +370,8 @@ static json_t *make_record(const lf_rendering *r)
             (double)r->times.passes / lf_rendering_camera_rows(r), &r->film_settings);
     if (made && rate > 0) /* for a video of these frames */
         json_object_set_new(made, "fps", json_real(rate));
+    if (made && !r->is_quilt)
+        lf_rendering_note_made(r, made);
     return made;
 }
 

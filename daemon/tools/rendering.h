@@ -3,6 +3,7 @@
 #ifndef LF_DAEMON_RENDERING_H
 #define LF_DAEMON_RENDERING_H
 
+#include "daemon/output/made_with.h"
 #include "daemon/tools/progress_line.h"
 #include "daemon/tools/render_arguments.h"
 
@@ -17,6 +18,7 @@ typedef struct lf_sequence_state {
     lf_plate_job *plate;  /* --hologram (rendering_plate.h); NULL: none */
     char *input;          /* owned: file of the current frame of finished pictures; NULL: none */
     int width, height;    /* of the first of these files, in pixels */
+    lf_made_with made;    /* how it was rendered */
 } lf_sequence_state;
 
 /* Between two saves of --state, seconds. */
@@ -99,8 +101,15 @@ bool lf_rendering_is_numbered(const lf_render_arguments *a);
 LF_NODISCARD lf_status lf_rendering_open_pictures(lf_rendering *r, lf_error *err);
 /* True if the input is a sequence of finished pictures, once it is open. */
 bool lf_rendering_of_pictures(const lf_rendering *r);
-/* Checks that the picture of a frame exists, ends properly and has the size of the first. */
+/* Checks that the picture of a frame exists, ends properly, and has the size and, without --mixed,
+ * the settings of the first. */
 LF_NODISCARD lf_status lf_rendering_check_picture(const lf_rendering *r, int frame, lf_error *err);
+/* Checks that the files of the current frame, which are kept, have the settings of this job.
+ * LF_E_STATE. */
+LF_NODISCARD lf_status lf_rendering_check_kept(const lf_rendering *r, lf_error *err);
+/* Adds to the settings of a picture what frames are compared by: its budget, and whether the
+ * exposure has keys. */
+void lf_rendering_note_made(const lf_rendering *r, json_t *made);
 /* Reads the picture of the current frame in place of the one before. LF_E_FORMAT: it has other
  * views than the first; errors of files name the frame. */
 LF_NODISCARD lf_status lf_rendering_take_picture(lf_rendering *r, lf_error *err);
@@ -168,7 +177,8 @@ bool lf_rendering_is_track(const lf_rendering *r);
 /* The state file of the current frame or row; of a row of cameras, if one output has several.
  * Caller frees; NULL = out of memory. */
 char *lf_rendering_state_current(const lf_rendering *r, int camera_row);
-/* Removes the states of the current frame or row, whose files have been written; and one. */
+/* Removes the states of the current frame or row, whose files are there; and one. Files that are no
+ * states stay. */
 void lf_rendering_state_remove(const lf_rendering *r);
 void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
                                   int shutter_part);

@@ -56,6 +56,8 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
         lf_status status = take_frame(r, frame, &kept, err);
         if (status == LF_OK && !kept && check_frame(r, frame, err) != LF_OK)
             status = lf_rendering_tell_frame(frame, frames->first, err);
+        if (status == LF_OK && kept)
+            status = lf_rendering_check_kept(r, err);
         if (status != LF_OK)
             return status;
         n_kept += kept;
@@ -114,6 +116,17 @@ static lf_status take_picture(lf_rendering *r, lf_error *err)
     return status;
 }
 
+/* Removes the states of the current frame, whose files are there. An earlier run may have ended
+ * before it did. */
+static void remove_states(const lf_rendering *r, const lf_shared_frames *shared)
+{
+    const lf_state_arguments *state = &r->arguments->state;
+    if (!state->file || r->video || lf_state_is_all(state))
+        return;
+    lf_rendering_state_remove(r);
+    lf_shared_frames_remove_states(shared, r);
+}
+
 static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_camera *camera,
                             lf_error *err)
 {
@@ -126,13 +139,27 @@ static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_
         status = lf_rendering_run(r, err);
     if (status == LF_OK && !lf_state_is_all(&r->arguments->state))
         status = lf_rendering_write(r, err);
-    if (status == LF_OK && r->arguments->state.file && !r->video &&
-        !lf_state_is_all(&r->arguments->state)) {
-        lf_rendering_state_remove(r);
-        lf_shared_frames_remove_states(shared, r);
-    }
     r->sequence.n_done += status == LF_OK;
     return status;
+}
+
+/* Parts of shutters have no rows or streams of their own. A part that continues would forget how
+ * many passes the first part had time for. */
+static lf_status check_shared(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    int a_frame;
+    if (!a->state.file || lf_rendering_of_pictures(r) || lf_shared_parts(r, &a_frame) == 0)
+        return LF_OK;
+    if (lf_state_is_all(&a->state))
+        return lf_error_set(err, LF_E_ARG, a->state.has_rows ? "--rows" : "--stream",
+                            "cannot be combined with shutters that frames share; render whole "
+                            "frames");
+    return a->budget.seconds > 0
+               ? lf_error_set(err, LF_E_ARG, "--time",
+                              "cannot be combined with --state if frames share parts of their "
+                              "shutters; give --spp or --passes")
+               : LF_OK;
 }
 
 /* Renders all wanted frames. */
@@ -147,16 +174,14 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
         camera = *lf_scene_camera(r->scene);
         status = lf_shared_frames_create(r, wanted, &shared, err);
     }
-    if (shared && lf_state_is_all(&r->arguments->state))
-        status = lf_error_set(err, LF_E_ARG, r->arguments->state.has_rows ? "--rows" : "--stream",
-                              "cannot be combined with shutters that frames share; render whole "
-                              "frames");
     r->sequence.begun = lf_time_now();
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;
         status = take_frame(r, frame, &kept, err);
         if (status == LF_OK && !kept && wanted[frame - frames->first])
             status = of_pictures ? take_picture(r, err) : make_frame(r, shared, &camera, err);
+        if (status == LF_OK)
+            remove_states(r, shared);
     }
     r->gathered = NULL;
     lf_shared_frames_destroy(shared);
@@ -169,6 +194,8 @@ lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
     const lf_video_options options = lf_rendering_video_options(r);
     bool *wanted = lf_calloc((size_t)lf_frames_count(&a->frames), sizeof *wanted);
     lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
+    if (status == LF_OK)
+        status = check_shared(r, err);
     if (status == LF_OK)
         status = count_frames(r, wanted, err);
     if (status == LF_OK && a->kind == &lf_output_video && !lf_state_is_all(&a->state))

@@ -239,12 +239,29 @@ lf_status lf_rendering_open_pictures(lf_rendering *r, lf_error *err)
     if (status == LF_OK)
         status = measure(s->input, &s->width, &s->height, err);
     if (status == LF_OK)
+        lf_made_with_read(s->input, &s->made);
+    if (status == LF_OK)
         status = open_picture(r, err);
     if (status == LF_OK)
         lf_log_notes(&r->quilt.notes, s->input);
     else if (strcmp(err->where, r->arguments->scene) != 0)
         return lf_rendering_tell_frame(s->frame, s->frame, err);
     return status;
+}
+
+static lf_status check_made(const lf_rendering *r, const char *name, lf_error *err)
+{
+    char words[3 * LF_PNG_TEXT];
+    lf_made_with made;
+    if (r->arguments->frames.mixed)
+        return LF_OK;
+    lf_made_with_read(name, &made);
+    return lf_made_with_differs(&made, &r->sequence.made, words, sizeof words)
+               ? lf_error_set(err, LF_E_STATE, name,
+                              "was rendered with %s as in the first frame; render it again, or "
+                              "join all with --mixed",
+                              words)
+               : LF_OK;
 }
 
 lf_status lf_rendering_check_picture(const lf_rendering *r, int frame, lf_error *err)
@@ -258,6 +275,8 @@ lf_status lf_rendering_check_picture(const lf_rendering *r, int frame, lf_error 
         status =
             lf_error_set(err, LF_E_FORMAT, name, "has %dx%d pixels, but the first frame has %dx%d",
                          width, height, s->width, s->height);
+    if (status == LF_OK)
+        status = check_made(r, name, err);
     lf_free(name);
     return status;
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/tools/plan.h"
 #include "daemon/tools/rendering_plate.h"
 #include "daemon/tools/rendering_shared.h"
@@ -19,6 +20,8 @@ static double files_bytes(const lf_rendering *r, int n_files_of)
         return lf_rendering_plate_bytes(r);
     const bool is_light = lf_output_is_light(a->kind, a->out);
     const double a_pixel = is_light ? 12 + 4.0 * lf_layer_channels(a->options.layers, NULL) : 3;
+    if (a->kind == &lf_output_video && r->sequence.on) /* its frames, which are larger */
+        return 3.0 * n_files_of * lf_camera_views(&s->camera) * s->width * s->height;
     if (!a->kind->surplus && a->kind != &lf_output_quilt && a->kind != &lf_output_still)
         return -1;
     return a_pixel * n_files_of * lf_camera_views(&s->camera) * s->width * s->height;
@@ -101,11 +104,23 @@ static void describe_parts(const lf_rendering *r, lf_plan *plan)
                     r->arguments->kind != &lf_output_video && (plan->n_rows == 1 || job->is_joined);
 }
 
+/* More and more tasks would not help. */
+static void warn_of_memory(const lf_plan *plan, double asked)
+{
+    const double least = lf_plan_least_memory(&plan->job, &plan->model);
+    if (asked > 0 && least > asked)
+        lf_log(LF_LOG_WARNING,
+               "--task-memory: the smallest task needs %.0f MB, and %.0f MB were asked for",
+               least / 1e6, asked / 1e6);
+}
+
 static lf_status divide_and_print(const lf_rendering *r, lf_plan *plan, lf_error *err)
 {
     const lf_plan_arguments *asked = &r->arguments->plan;
     const lf_plan_limits limits = {60 * asked->minutes * lf_pool_threads(r->pool), asked->memory};
     lf_status status = lf_plan_divide(&plan->job, &plan->model, &limits, &plan->division, err);
+    if (status == LF_OK)
+        warn_of_memory(plan, asked->memory);
     const bool joins =
         plan->division.n_finishes > 0 && r->arguments->kind == &lf_output_video && r->sequence.on;
     if (status == LF_OK && joins)

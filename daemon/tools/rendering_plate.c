@@ -119,6 +119,16 @@ static json_t *settings_json(const lf_rendering *r, const lf_render_settings *se
                               &film);
 }
 
+/* What the scene shows is a fact, too: files may change between two rows. */
+static lf_status add_hash(const lf_rendering *r, const lf_render_settings *settings, json_t *facts)
+{
+    char hash[LF_PICTURE_HASH];
+    lf_status status = facts ? lf_picture_hash(r->scene, settings, hash) : LF_E_NOMEM;
+    if (status == LF_OK && json_object_set_new(facts, "scene_hash", json_string(hash)) != 0)
+        status = LF_E_NOMEM;
+    return status;
+}
+
 static void warn_of_depth(const lf_rendering *r, const lf_hologram_depth *depth)
 {
     char words[LF_DEPTH_WORDS];
@@ -140,16 +150,17 @@ lf_status lf_rendering_plate_begin(lf_rendering *r, lf_error *err)
         status = lf_hologram_plate(hologram, &settings, &job->plate, err);
     if (status != LF_OK)
         return status;
-    const bool is_known = lf_hologram_measure(r->scene, &settings, &depth);
+    const bool is_known = lf_hologram_measure(hologram, r->scene, &settings, &depth);
     if (is_known)
         warn_of_depth(r, &depth);
     job->facts = lf_hologram_facts(hologram, &job->plate, &settings, is_known ? &depth : NULL,
                                    settings_json(r, &settings));
-    if (!job->facts)
-        return lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
+    status = add_hash(r, &settings, job->facts);
+    if (status != LF_OK)
+        return lf_error_set(err, status, r->path, "out of memory");
     job->is_finished = !frames->overwrite && lf_plate_is_finished(&job->plate, r->path, job->facts);
     if (job->arguments.plan.on || lf_state_is_all(&job->arguments.state))
-        return LF_OK;
+        return lf_plate_check(&job->plate, r->path, job->facts, err);
     return lf_plate_begin(&job->plate, r->path, job->facts,
                           frames->overwrite && job->arguments.hologram.all_rows, err);
 }
@@ -177,7 +188,7 @@ char *lf_rendering_plate_file(const lf_rendering *r, int i)
 bool lf_rendering_plate_has(const lf_rendering *r, int row)
 {
     const lf_plate_job *job = r->sequence.plate;
-    return job->is_finished || lf_plate_has_task(&job->plate, r->path, row);
+    return job->is_finished || lf_plate_has_task(&job->plate, r->path, job->facts, row);
 }
 
 lf_status lf_rendering_plate_write(const lf_rendering *r, const lf_output_request *request,
@@ -186,7 +197,8 @@ lf_status lf_rendering_plate_write(const lf_rendering *r, const lf_output_reques
     const int row = r->sequence.frame;
     lf_output_source of_row = *source;
     of_row.first_view = row * source->views32.n_views;
-    return lf_hologram_write(request, &of_row, &r->sequence.plate->plate, row, err);
+    return lf_hologram_write(request, &of_row, &r->sequence.plate->plate, r->sequence.plate->facts,
+                             row, err);
 }
 
 static void show(void *context, double fraction)
@@ -234,7 +246,8 @@ lf_plan_cost lf_rendering_plate_cost(const lf_rendering *r)
     if (lf_plate_is_direct(plate))
         return (lf_plan_cost){bytes * HASH_SECONDS, 0};
     const double a_byte = plate->form == LF_PLATE_RAW ? MOVE_SECONDS : MOVE_SECONDS + FILE_SECONDS;
-    return (lf_plan_cost){bytes * (HASH_SECONDS + a_byte), (double)lf_plate_finish_memory(plate)};
+    return (lf_plan_cost){bytes * (2 * HASH_SECONDS + a_byte),
+                          (double)lf_plate_finish_memory(plate)};
 }
 
 void lf_rendering_plate_close(lf_rendering *r)

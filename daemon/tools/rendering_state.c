@@ -68,12 +68,23 @@ static lf_job_place place_of(const lf_rendering *r, const lf_saved_field *field)
     return place;
 }
 
+/* Removes a state, and no other file that has its name. */
+static void remove_state(const char *path)
+{
+    json_t *head = NULL;
+    int fd = -1;
+    if (!path || lf_job_state_open(path, &fd, NULL, &head, NULL) != LF_OK)
+        return;
+    close(fd);
+    json_decref(head);
+    unlink(path);
+}
+
 void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
                                   int shutter_part)
 {
     char *path = lf_rendering_state_path(r, frame, camera_row, shutter_part);
-    if (path)
-        unlink(path);
+    remove_state(path);
     lf_free(path);
 }
 
@@ -90,8 +101,7 @@ void lf_rendering_state_remove(const lf_rendering *r)
 {
     for (int row = 0; row < lf_rendering_camera_rows(r); row++) {
         char *path = lf_rendering_state_current(r, row);
-        if (path)
-            unlink(path);
+        remove_state(path);
         lf_free(path);
     }
 }
@@ -135,7 +145,7 @@ static lf_status save(lf_rendering *r, const work *w, bool complete, lf_error *e
     lf_rendering_state *s = &r->state;
     const lf_job_progress progress = {s->times, complete, 1};
     lf_status status = LF_OK;
-    if (complete || !is_behind(r, w))
+    if (!is_behind(r, w))
         status = lf_job_state_write(s->path, w->of, w->field->renderer, &progress, err);
     s->saved = lf_time_now();
     s->is_kept |= status == LF_OK;

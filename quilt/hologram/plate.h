@@ -2,6 +2,7 @@
 #ifndef LF_QUILT_PLATE_H
 #define LF_QUILT_PLATE_H
 
+#include "base/file_hash.h"
 #include "quilt/holograms.h"
 
 /* The first camera of a task, and the number of its cameras. */
@@ -38,6 +39,11 @@ char *lf_plate_picture_name(const lf_plate *plate, int i, int j);
 LF_NODISCARD lf_status lf_plate_picture_write(const lf_plate *plate, const char *path, int width,
                                               int height, const uint8_t *samples, lf_error *err);
 
+/* The same into an open file, for LF_PLATE_TIFF: with the resolution of the plate, if it is known,
+ * and an ICC profile, sRGB or linear grey. LF_E_ARG: too large for a TIFF. */
+LF_NODISCARD lf_status lf_plate_tiff_write(const lf_plate *plate, lf_outfile *file, int width,
+                                           int height, const uint8_t *samples, lf_error *err);
+
 /* Half floats, rounded to nearest, ties to even. Beyond the range: the largest; NaN: 0. */
 uint16_t lf_plate_half(float value);
 float lf_plate_half_value(uint16_t half);
@@ -55,9 +61,43 @@ LF_NODISCARD lf_status lf_plate_task_open(const lf_plate *plate, const char *fol
 /* Makes the folders of folder/name. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_plate_make_folders(const char *folder, const char *name, lf_error *err);
 
-/* Writes manifest.json from the files in the folder. */
+/* plate.json and manifest.json, without the list of files: facts and conventions. A new reference;
+ * NULL = out of memory. */
+json_t *lf_plate_describe(const lf_plate *plate, const json_t *facts);
+/* Objects in files: NULL = missing or no object. LF_E_IO, LF_E_NOMEM (also for object = NULL). */
+json_t *lf_plate_load(const char *folder, const char *name);
+LF_NODISCARD lf_status lf_plate_save(const char *folder, const char *name, const json_t *object,
+                                     lf_error *err);
+/* Appends {name, bytes, sha256} of a file. sha256: what it must be; may be NULL. LF_E_IO,
+ * LF_E_NOMEM; LF_E_FORMAT: the file is another. */
+LF_NODISCARD lf_status lf_plate_add_file(const char *folder, const char *name, const char *sha256,
+                                         json_t *files, lf_error *err);
+/* True if the file of such an entry is there with its size. */
+bool lf_plate_is_file(const char *folder, const json_t *file);
+
+/* Receipts: rows/r%03d.json has the files of a task, and the hash of facts and conventions. It is
+ * written after the files, and removed before they are written again. */
+LF_NODISCARD lf_status lf_plate_receipt_write(const lf_plate *plate, const char *folder,
+                                              const json_t *facts, int task, lf_error *err);
+LF_NODISCARD lf_status lf_plate_receipt_remove(const char *folder, int task, lf_error *err);
+/* The hash of each file, by name, from the receipts of all tasks. A new reference. LF_E_NOMEM;
+ * LF_E_FORMAT: a receipt is missing or of another plate. */
+LF_NODISCARD lf_status lf_plate_receipts(const lf_plate *plate, const char *folder,
+                                         const json_t *facts, json_t **out_hashes, lf_error *err);
+
+/* Removes all files that a plate of any size can have, except plate.json; then empty folders.
+ * LF_E_IO. */
+LF_NODISCARD lf_status lf_plate_clear(const char *folder, lf_error *err);
+/* True if there is such a file; out: the name of the first. */
+#define LF_PLATE_NAME 64
+bool lf_plate_has_files(const char *folder, char out[static LF_PLATE_NAME]);
+/* Removes a file if it is there. LF_E_IO, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_plate_remove_file(const char *folder, const char *name, lf_error *err);
+
+/* Writes manifest.json from the files in the folder. hashes: of lf_plate_receipts. LF_E_FORMAT: a
+ * file is not what its receipt says. */
 LF_NODISCARD lf_status lf_plate_manifest_write(const lf_plate *plate, const char *folder,
-                                               const json_t *facts, const lf_plate_run *run,
-                                               lf_error *err);
+                                               const json_t *facts, const json_t *hashes,
+                                               const lf_plate_run *run, lf_error *err);
 
 #endif

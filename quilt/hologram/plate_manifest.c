@@ -14,58 +14,9 @@
 
 #define MOST_JSON_BYTES ((uint64_t)1 << 30)
 
-/* ------------------------------------------------------------------------------- conventions -- */
+/* ----------------------------------------------------------------------------- what is there -- */
 
-static json_t *flips_json(const lf_plate_flips *flips)
-{
-    return json_pack("{s:b, s:b, s:b, s:b, s:b}", "u", flips->u, "v", flips->v, "hx", flips->hx,
-                     "hy", flips->hy, "transpose", flips->transpose);
-}
-
-static json_t *samples_json(const lf_plate *plate)
-{
-    const bool is_linear = plate->format == LF_PLATE_EXR || plate->is_grey;
-    return json_pack(
-        "{s:s, s:i, s:s, s:s, s:s}", "channels", plate->is_grey ? "Y" : "RGB", "bits",
-        plate->format == LF_PLATE_PNG ? 8 : 16, "type",
-        plate->format == LF_PLATE_EXR ? "half" : "uint", "encoding", is_linear ? "linear" : "sRGB",
-        "profile", is_linear ? "linear, primaries of Rec. 709, white D65" : "sRGB (IEC 61966-2-1)");
-}
-
-static const char *layout_words(const lf_plate *plate)
-{
-    const lf_plate_place n = lf_plate_size(plate);
-    if (plate->form == LF_PLATE_RAW)
-        return "plate.raw: [hy][hx][v][u][channel]";
-    if (plate->form == LF_PLATE_HOGELS)
-        return "hogels/rHY/cHX: row v, column u";
-    if (n.v == 1 || n.u == 1)
-        return n.v == 1 ? "views/view_U: row hy, column hx" : "views/view_V: row hy, column hx";
-    return "views/rV/cU: row hy, column hx";
-}
-
-/* Facts and conventions. A new reference; NULL = out of memory. */
-static json_t *describe(const lf_plate *plate, const json_t *facts)
-{
-    const lf_plate_place n = lf_plate_size(plate);
-    json_t *made = json_pack(
-        "{s:i, s:s, s:s, s:s, s:[i,i], s:[i,i], s:s, s:s, s:o, s:o, s:s}", "quiltd_hologram", 1,
-        "kind", plate->camera_is_cell ? "H" : "V", "form", lf_plate_forms[plate->form], "parallax",
-        (plate->camera_is_cell ? plate->height : plate->rows) == 1 ? "hpo" : "full", "hogels", n.hx,
-        n.hy, "directions", n.u, n.v, "axes",
-        "hx right and hy down, as the viewer sees the plate; u right and v down, as eye positions",
-        "view_0", "the leftmost eye, of the topmost row", "flips", flips_json(&plate->flips),
-        "samples", samples_json(plate), "layout", layout_words(plate));
-    json_t *known = json_deep_copy(facts);
-    if (!made || !known || json_object_update(made, known) != 0) {
-        json_decref(made);
-        made = NULL;
-    }
-    json_decref(known);
-    return made;
-}
-
-static lf_status save(const char *folder, const char *name, const json_t *object, lf_error *err)
+lf_status lf_plate_save(const char *folder, const char *name, const json_t *object, lf_error *err)
 {
     char *text = object ? json_dumps(object, JSON_INDENT(1)) : NULL,
          *path = lf_path_join(folder, name);
@@ -76,8 +27,7 @@ static lf_status save(const char *folder, const char *name, const json_t *object
     return status;
 }
 
-/* NULL: the file is missing or no JSON object. */
-static json_t *load(const char *folder, const char *name)
+json_t *lf_plate_load(const char *folder, const char *name)
 {
     char *path = lf_path_join(folder, name), *text = NULL;
     size_t size = 0;
@@ -114,25 +64,57 @@ static json_t *as_in_file(json_t *object)
     return again;
 }
 
+/* What is in a folder is of this plate. A folder without plate.json must have no pictures: they
+ * would be of another plate. Tasks that begin at the same time may see plate.json late. */
+static lf_status compare(const char *folder, const json_t *wanted, const char *remedy,
+                         bool *out_there, lf_error *err)
+{
+    char name[LF_PLATE_NAME];
+    json_t *there = lf_plate_load(folder, "plate.json");
+    const bool has_files = !there && lf_plate_has_files(folder, name);
+    if (has_files)
+        there = lf_plate_load(folder, "plate.json");
+    const char *key = there ? first_difference(wanted, there) : NULL;
+    *out_there = there;
+    json_decref(there);
+    if (key)
+        return lf_error_set(err, LF_E_EXISTS, folder,
+                            "the plate there has another \"%s\" (plate.json); choose another "
+                            "folder, or %s",
+                            key, remedy);
+    if (has_files && !*out_there)
+        return lf_error_set(err, LF_E_EXISTS, folder,
+                            "has %s of a plate without plate.json; choose another folder, or %s",
+                            name, remedy);
+    return LF_OK;
+}
+
+lf_status lf_plate_check(const lf_plate *plate, const char *folder, const json_t *facts,
+                         lf_error *err)
+{
+    json_t *wanted = as_in_file(lf_plate_describe(plate, facts));
+    bool there;
+    const lf_status status = wanted ? compare(folder, wanted, "remove this one", &there, err)
+                                    : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    json_decref(wanted);
+    return status;
+}
+
 lf_status lf_plate_begin(const lf_plate *plate, const char *folder, const json_t *facts,
                          bool replace, lf_error *err)
 {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return lf_error_set(err, LF_E_IO, folder, "cannot make the folder: %s",
                             lf_errno_text(errno));
-    json_t *wanted = as_in_file(describe(plate, facts)), *there = load(folder, "plate.json");
-    lf_status status = LF_OK;
-    const char *key = wanted && there ? first_difference(wanted, there) : NULL;
-    if (!wanted)
-        status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
-    else if (!there || (replace && key))
-        status = save(folder, "plate.json", wanted, err);
-    else if (key)
-        status = lf_error_set(err, LF_E_EXISTS, folder,
-                              "the plate there has another \"%s\" (plate.json); choose another "
-                              "folder, or render it again with --overwrite",
-                              key);
-    json_decref(there);
+    json_t *wanted = as_in_file(lf_plate_describe(plate, facts));
+    bool there = false;
+    lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    if (status == LF_OK)
+        status =
+            replace ? lf_plate_clear(folder, err)
+                    : compare(folder, wanted, "use --overwrite without --camera-rows", &there, err);
+    if (status == LF_OK && !there)
+        status = lf_plate_save(folder, "plate.json", wanted, err);
     json_decref(wanted);
     return status;
 }
@@ -151,42 +133,58 @@ static lf_status hash_file(const char *path, char out[static LF_HASH_TEXT], int6
     return is_read ? LF_OK : lf_error_set(err, LF_E_IO, path, "cannot read it for the manifest");
 }
 
-static lf_status add_file(const lf_plate *plate, const char *folder, int i, json_t *files,
-                          lf_error *err)
+lf_status lf_plate_add_file(const char *folder, const char *name, const char *sha256, json_t *files,
+                            lf_error *err)
 {
     char hash[LF_HASH_TEXT];
     int64_t size = 0;
-    char *name = lf_plate_file(plate, i), *path = name ? lf_path_join(folder, name) : NULL;
+    char *path = lf_path_join(folder, name);
     lf_status status = path ? hash_file(path, hash, &size, err)
                             : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    if (status == LF_OK && sha256 && strcmp(sha256, hash) != 0)
+        status = lf_error_set(err, LF_E_FORMAT, path,
+                              "was changed after it was rendered; remove it and run the command "
+                              "again");
     if (status == LF_OK &&
         json_array_append_new(files, json_pack("{s:s, s:I, s:s}", "name", name, "bytes",
                                                (json_int_t)size, "sha256", hash)) != 0)
         status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
     lf_free(path);
+    return status;
+}
+
+static lf_status add_file(const lf_plate *plate, const char *folder, int i, const json_t *hashes,
+                          json_t *files, lf_error *err)
+{
+    char *name = lf_plate_file(plate, i);
+    const lf_status status =
+        name ? lf_plate_add_file(folder, name, json_string_value(json_object_get(hashes, name)),
+                                 files, err)
+             : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
     lf_free(name);
     return status;
 }
 
 lf_status lf_plate_manifest_write(const lf_plate *plate, const char *folder, const json_t *facts,
-                                  const lf_plate_run *run, lf_error *err)
+                                  const json_t *hashes, const lf_plate_run *run, lf_error *err)
 {
-    json_t *made = describe(plate, facts), *files = json_array();
+    json_t *made = lf_plate_describe(plate, facts), *files = json_array();
     lf_status status = LF_OK;
     for (int i = 0; i < lf_plate_n_files(plate) && status == LF_OK; i++)
         status = run->cancel && atomic_load_explicit(run->cancel, memory_order_relaxed)
                      ? lf_error_set(err, LF_E_CANCELLED, folder, "cancelled")
-                     : add_file(plate, folder, i, files, err);
-    if (made && (json_object_set_new(made, "files", files) != 0 ||
+                     : add_file(plate, folder, i, hashes, files, err);
+    if (made && (json_object_set(made, "files", files) != 0 ||
                  json_object_set_new(made, "missing", json_array()) != 0))
         status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
     if (status == LF_OK)
-        status = save(folder, "manifest.json", made, err);
+        status = lf_plate_save(folder, "manifest.json", made, err);
+    json_decref(files);
     json_decref(made);
     return status;
 }
 
-static bool is_file(const char *folder, const json_t *file)
+bool lf_plate_is_file(const char *folder, const json_t *file)
 {
     const char *name = json_string_value(json_object_get(file, "name"));
     char *path = name ? lf_path_join(folder, name) : NULL;
@@ -199,13 +197,13 @@ static bool is_file(const char *folder, const json_t *file)
 
 bool lf_plate_is_finished(const lf_plate *plate, const char *folder, const json_t *facts)
 {
-    json_t *there = load(folder, "manifest.json"),
-           *wanted = there ? as_in_file(describe(plate, facts)) : NULL;
+    json_t *there = lf_plate_load(folder, "manifest.json"),
+           *wanted = there ? as_in_file(lf_plate_describe(plate, facts)) : NULL;
     const json_t *files = json_object_get(there, "files");
     bool is_finished = wanted && !first_difference(wanted, there) &&
                        json_array_size(files) == (size_t)lf_plate_n_files(plate);
     for (size_t i = 0; is_finished && i < json_array_size(files); i++)
-        is_finished = is_file(folder, json_array_get(files, i));
+        is_finished = lf_plate_is_file(folder, json_array_get(files, i));
     json_decref(wanted);
     json_decref(there);
     return is_finished;

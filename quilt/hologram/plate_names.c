@@ -68,26 +68,6 @@ char *lf_plate_file(const lf_plate *plate, int i)
                                        : lf_plate_picture_name(plate, i / columns, i % columns);
 }
 
-bool lf_plate_has_task(const lf_plate *plate, const char *folder, int task)
-{
-    bool there = true;
-    int fd = -1;
-    if (!lf_plate_is_direct(plate)) {
-        there = lf_plate_task_open(plate, folder, task, &fd, NULL) == LF_OK;
-        if (there)
-            close(fd);
-        return there;
-    }
-    for (int i = 0; i < lf_plate_task_files(plate) && there; i++) {
-        char *name = lf_plate_task_file(plate, task, i),
-             *path = name ? lf_path_join(folder, name) : NULL;
-        there = path && access(path, F_OK) == 0;
-        lf_free(path);
-        lf_free(name);
-    }
-    return there;
-}
-
 lf_status lf_plate_make_folders(const char *folder, const char *name, lf_error *err)
 {
     char *path = lf_path_join(folder, name);

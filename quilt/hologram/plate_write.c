@@ -181,8 +181,8 @@ static lf_status write_task_file(const lf_plate *plate, const char *folder, int 
     return status;
 }
 
-lf_status lf_plate_write_task(const lf_plate *plate, const char *folder, int task,
-                              const uint8_t *data, const lf_plate_run *run, lf_error *err)
+static lf_status write_task(const lf_plate *plate, const char *folder, int task,
+                            const uint8_t *data, const lf_plate_run *run, lf_error *err)
 {
     const int n = lf_plate_task_cameras(plate);
     if (!lf_plate_is_direct(plate))
@@ -201,6 +201,15 @@ lf_status lf_plate_write_task(const lf_plate *plate, const char *folder, int tas
         .lock = PTHREAD_MUTEX_INITIALIZER,
     };
     return write_pictures(&job, n, err);
+}
+
+lf_status lf_plate_write_task(const lf_plate *plate, const char *folder, const json_t *facts,
+                              int task, const uint8_t *data, const lf_plate_run *run, lf_error *err)
+{
+    lf_status status = lf_plate_receipt_remove(folder, task, err);
+    if (status == LF_OK)
+        status = write_task(plate, folder, task, data, run, err);
+    return status == LF_OK ? lf_plate_receipt_write(plate, folder, facts, task, err) : status;
 }
 
 /* --------------------------------------------------------------------------- the whole plate -- */
@@ -347,13 +356,40 @@ static lf_status write_field(const lf_plate *plate, const char *folder, const lf
     return status;
 }
 
+/* The raw files of tasks are what their receipts say. */
+static lf_status check_rows(const lf_plate *plate, const char *folder, const json_t *hashes,
+                            const lf_plate_run *run, lf_error *err)
+{
+    json_t *files = json_array();
+    lf_status status = LF_OK;
+    for (int task = 0; task < lf_plate_tasks(plate) && status == LF_OK; task++) {
+        char *name = lf_plate_task_file(plate, task, 0);
+        if (!name)
+            status = lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+        else if (is_cancelled(run))
+            status = lf_error_set(err, LF_E_CANCELLED, folder, "cancelled");
+        else
+            status = lf_plate_add_file(
+                folder, name, json_string_value(json_object_get(hashes, name)), files, err);
+        lf_free(name);
+    }
+    json_decref(files);
+    return status;
+}
+
 lf_status lf_plate_finish(const lf_plate *plate, const char *folder, const json_t *facts,
                           const lf_plate_run *run, lf_error *err)
 {
-    lf_status status = LF_OK;
-    if (plate->form == LF_PLATE_RAW)
+    json_t *hashes = NULL;
+    lf_status status = lf_plate_receipts(plate, folder, facts, &hashes, err);
+    if (status == LF_OK && !lf_plate_is_direct(plate))
+        status = check_rows(plate, folder, hashes, run, err);
+    if (status == LF_OK && plate->form == LF_PLATE_RAW)
         status = write_field(plate, folder, run, err);
-    else if (!lf_plate_is_direct(plate))
+    else if (status == LF_OK && !lf_plate_is_direct(plate))
         status = write_whole(plate, folder, -1, run, err);
-    return status == LF_OK ? lf_plate_manifest_write(plate, folder, facts, run, err) : status;
+    if (status == LF_OK)
+        status = lf_plate_manifest_write(plate, folder, facts, hashes, run, err);
+    json_decref(hashes);
+    return status;
 }

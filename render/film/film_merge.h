@@ -6,11 +6,12 @@
  *     lf_merging_create, lf_merging_add for each file, lf_merging_arrange, lf_merging_write,
  *     lf_merging_destroy
  *
- * Files are read twice, one at a time: first their counts, then their rows. Memory is a few rows
- * and about 100 bytes per file. Every checksum is checked when its part is read, before anything
- * is published. Errors name the file: LF_E_IO, LF_E_FORMAT (damaged, or changed meanwhile),
- * LF_E_STATE (another image or version, samples twice), LF_E_NOMEM. After an error only
- * lf_merging_destroy may follow. Thread: one at a time. */
+ * Files are read twice, one at a time: first their counts, then their rows. Memory is about 300
+ * bytes per file, and rows: 8 MB of them, for streams 128 MB, or one row if that is larger. Every
+ * checksum is checked when its part is read, before anything is published. Errors name the file:
+ * LF_E_IO, LF_E_FORMAT (damaged, or changed meanwhile), LF_E_STATE (another image or version,
+ * samples twice), LF_E_NOMEM. After an error only lf_merging_destroy may follow. Thread: one at a
+ * time. */
 #ifndef LF_RENDER_FILM_MERGE_H
 #define LF_RENDER_FILM_MERGE_H
 
@@ -52,7 +53,8 @@ LF_NODISCARD lf_status lf_merging_add(lf_merging *merging, int fd, const char *p
                                       lf_merging_file *out, lf_error *err);
 
 /* Puts the files into their order and finds copies: films with the same bytes count once.
- * LF_E_STATE if a row has samples of the same stream in two films, or no film has any. */
+ * LF_E_STATE if a row has samples of the same stream in two films, or rows of two films have the
+ * same passes of a stream in different visits, or no film has any. */
 LF_NODISCARD lf_status lf_merging_arrange(lf_merging *merging, lf_merging_total *out,
                                           lf_error *err);
 /* The k-th file in the order, k from 0 to the number of calls of lf_merging_add - 1. */

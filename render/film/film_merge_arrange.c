@@ -1,4 +1,5 @@
 /* Between the passes: the order of the files, copies among them, and which rows they have. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,6 +135,45 @@ static lf_status refuse_twice(const lf_merging *m, const lf_merging_stream *s, i
                         lf_merging_source_at(m, owner)->path);
 }
 
+/* Whether two rows have the same passes of a stream, but in other visits. */
+static bool are_divided_otherwise(const lf_merging *m, int a, int b)
+{
+    const lf_film_counts *x = &m->sum[a], *y = &m->sum[b];
+    bool same_passes = true, same_visits = true;
+    for (int h = 0; h < 2; h++) {
+        same_passes &= fabs(x->n[h] - y->n[h]) * m->like.layout.n_views < 0.25;
+        same_visits &= x->visits[h] == y->visits[h];
+    }
+    return same_passes && !same_visits;
+}
+
+/* A job gives all rows their passes in the same visits. Compares each row of a stream with the
+ * first, and with the one before it, of other files. */
+static lf_status check_visits(const lf_merging *m, lf_error *err)
+{
+    int first = -1, before = -1;
+    for (int row = 0; row < m->like.layout.height; row++) {
+        const int others[2] = {first, before}, owner = m->owner[row];
+        for (int i = 0; i < 2 && owner >= 0; i++) {
+            const int other = others[i];
+            if (other < 0 || m->owner[other] == owner || !are_divided_otherwise(m, other, row))
+                continue;
+            const uint32_t *has = m->sum[row].visits, *had = m->sum[other].visits;
+            return lf_error_set(err, LF_E_STATE, lf_merging_source_at(m, owner)->path,
+                                "has row %d in %u visits, but %s has row %d in %u: one is of "
+                                "another job; make both again",
+                                row, has[0] + has[1],
+                                lf_merging_source_at(m, m->owner[other])->path, other,
+                                had[0] + had[1]);
+        }
+        if (owner >= 0) {
+            first = first < 0 ? row : first;
+            before = row;
+        }
+    }
+    return LF_OK;
+}
+
 /* The same stream of several files, which must have different rows: entries [from, to) of sorted.
  */
 static lf_status check_group(lf_merging *m, int from, int to, lf_error *err)
@@ -153,10 +193,11 @@ static lf_status check_group(lf_merging *m, int from, int to, lf_error *err)
             if (m->owner[row] >= 0)
                 return refuse_twice(m, s, row, err);
             m->owner[row] = s->file;
+            m->sum[row] = m->counts[row];
             m->key[row] += lf_film_visits_key(s->seed, s->number, m->counts[row].visits);
         }
     }
-    return LF_OK;
+    return check_visits(m, err);
 }
 
 int lf_merging_group_end(const lf_merging *m, int from)

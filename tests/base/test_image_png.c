@@ -137,6 +137,34 @@ static void a_png_tells_its_size_if_it_is_whole(void **state)
                      LF_E_IO);
 }
 
+/* By their whole names; what is too long is cut. */
+static void a_png_tells_its_texts_by_name(void **state)
+{
+    const char *path = lf_test_path(*state, "texts.png");
+    char longer[400], exact[LF_PNG_TEXT], out[6][LF_PNG_TEXT];
+    memset(longer, 'x', sizeof longer - 1);
+    longer[sizeof longer - 1] = '\0';
+    memcpy(exact, longer, sizeof exact - 1);
+    exact[sizeof exact - 1] = '\0';
+    const lf_attribute texts[] = {
+        {"quiltd.ab", "2"}, {"quiltd.a", "1"}, {"quiltd.long", longer}, {"quiltd.exact", exact}};
+    static const char *const names[6] = {"quiltd.a",     "quiltd.abc", "quiltd.long",
+                                         "quiltd.exact", "quiltd.ab",  "quiltd."};
+    const char *const expected[6] = {"1", "", exact, exact, "2", ""};
+    lf_image8 image = lf_picture_noise(6, 2);
+    lf_error err;
+    memset(out, 'y', sizeof out);
+    lf_picture_save_png(path, &image, 1, texts, 4);
+    lf_image8_finish(&image);
+    lf_assert_ok(lf_png_texts(path, NULL, names, 6, out, &err), &err);
+    for (int i = 0; i < 6; i++)
+        assert_string_equal(out[i], expected[i]);
+    assert_int_equal(
+        lf_png_texts(lf_test_write(*state, "t.png", "text, not a PNG"), NULL, names, 6, out, &err),
+        LF_E_STATE);
+    assert_string_equal(out[0], "");
+}
+
 static void every_kind_of_png_becomes_rgb(void **state)
 {
     const char *path = lf_test_path(*state, "kind.png");
@@ -197,6 +225,7 @@ int main(void)
         cmocka_unit_test(a_picture_with_depth_needs_both_ends_of_its_view),
         cmocka_unit_test(frames_carry_the_rate_of_their_animation),
         cmocka_unit_test(a_png_tells_its_size_if_it_is_whole),
+        cmocka_unit_test(a_png_tells_its_texts_by_name),
         cmocka_unit_test(every_kind_of_png_becomes_rgb),
         cmocka_unit_test(eight_bit_pictures_are_decoded_from_srgb),
     };

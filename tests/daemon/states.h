@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "base/version.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering.h"
 #include "render/film/film_file.h"
@@ -30,6 +31,29 @@ static inline bool state_same_rows(const lf_film *a, const lf_film *b, int row)
     return memcmp(a->data + at, b->data + at, lf_film_used_bytes(&a->layout)) == 0 &&
            memcmp(x->n, y->n, sizeof x->n) == 0 &&
            memcmp(x->visits, y->visits, sizeof x->visits) == 0 && x->met == y->met;
+}
+
+/* Replaces these members of a state's head. */
+static inline void state_set(const char *path, const char *members)
+{
+    json_t *head = NULL, *other = json_loads(members, 0, NULL);
+    lf_error err = {0};
+    lf_outfile out = {.fd = -1};
+    int fd = -1;
+    char bytes[4096];
+    ssize_t n;
+    lf_assert_ok(lf_job_state_open(path, &fd, NULL, &head, &err), &err);
+    assert_int_equal(json_object_update(head, other), 0);
+    lf_assert_ok(lf_outfile_open(&out, path, true, &err), &err);
+    lf_assert_ok(lf_job_state_put(&out, head, &err), &err);
+    while ((n = read(fd, bytes, sizeof bytes)) > 0)
+        lf_assert_ok(lf_outfile_write(&out, bytes, (size_t)n, &err), &err);
+    assert_int_equal(n, 0);
+    lf_assert_ok(lf_outfile_commit(&out, true, &err), &err);
+    lf_outfile_abandon(&out);
+    close(fd);
+    json_decref(head);
+    json_decref(other);
 }
 
 /* What --state-info prints. */
@@ -99,5 +123,8 @@ static inline lf_status state_run(char *line, const lf_cancel *cancel, lf_cancel
     lf_rendering_finish(&r);
     return status;
 }
+
+#define STATE_OF_0_1_7 "{\"quiltd\": \"0.1.7\"}"
+#define STATE_OF_NOW "{\"quiltd\": \"" LF_VERSION "\"}"
 
 #endif

@@ -1,6 +1,7 @@
 /* The program quiltfarm, with a renderer of the test's own (tests/farm/fake) and without a
- * scheduler. tests/farm.sh has schedulers, faults and the real renderer. */
-#include "tests/daemon/quiltfarm.h"
+ * scheduler. test_farm_slurm.c has one of the test's own; tests/farm.sh has schedulers, faults and
+ * the real renderer. */
+#include "tests/daemon/quiltfarm_job.h"
 
 /* ----------------------------------------------------------------------------------- results -- */
 
@@ -38,6 +39,26 @@ static void a_step_is_complete_while_its_files_have_their_sizes(void **state)
     says(folder, "rm out/field_0001.txt; " EVERYTHING, 0, "");
     assert_state(folder, "complete");
     says(folder, DIRECT " && " SAME, 0, "");
+}
+
+/* A disk may change bytes of a file, and keep its size. */
+static void a_check_finds_bytes_that_differ_and_resume_repairs_them(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, EVERYTHING " && bin/quiltfarm status job --check", 0, "complete");
+    says(folder, "sed -i 's/^1 3 /1 4 /' out/field_0001.txt; bin/quiltfarm status job", 0,
+         "complete");
+    says(folder, "bin/quiltfarm status job --check", 1,
+         "job: 1 output file is not as rendered; quiltfarm resume --check makes it again");
+    says(folder, "bin/quiltfarm status job --check", 1, "/out/field_0001.txt\n");
+    says(folder, "bin/quiltfarm status job --check --json 2> /dev/null | tr -d ' \n'", 0,
+         "\"differing\":[\"/");
+    says(folder, "bin/quiltfarm resume job", 0, "job: complete");
+    says(folder, "bin/quiltfarm resume job --check", 0, "is made again");
+    assert_non_null(strstr(got.text, "/job 2\n"));
+    assert_null(strstr(got.text, "/job 1\n"));
+    says(folder, EVERYTHING " && bin/quiltfarm status job --check && " DIRECT " && " SAME, 0, "");
 }
 
 static void only_what_is_missing_is_sent(void **state)
@@ -203,6 +224,116 @@ static void a_signal_to_all_processes_saves_the_state(void **state)
     assert_true(is_there(folder, "job/states/task_0_0000.lfstate"));
 }
 
+/* Hours pass between two tasks. */
+static void a_file_that_changed_since_the_plan_is_told(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "echo one > cloud; sed -i '1s/{/{\"inputs\": [\"scene.json\", \"cloud\"],/' scene.json", 0,
+         "");
+    plan(folder);
+    says(folder, "bin/quiltfarm task job 0", 0, "is complete");
+    says(folder, "echo two > cloud; bin/quiltfarm task job 1", 1,
+         "cloud: has changed since the job was planned; restore it, or plan a new job");
+    assert_failed(folder, "cloud: has changed");
+    says(folder, "echo more >> cloud; bin/quiltfarm task job 1", 1, "cloud: has changed");
+    says(folder, "rm cloud; bin/quiltfarm task job 1", 1, "cloud: is missing since");
+    says(folder, "echo one > cloud; touch -d yesterday scene.json; sh -e job/tasks", 0,
+         "task 4 is complete");
+    says(folder, "echo ' ' >> scene.json; bin/quiltfarm merge job", 1, "scene.json: has changed");
+    assert_false(is_there(folder, "out/field_0000.txt"));
+}
+
+static void another_release_is_told(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, "echo 1.1 > bin/release; bin/quiltfarm task job 0", 1,
+         "quiltrender: is release 1.1, and the job was planned with 1.0; use that release");
+    assert_failed(folder, "is release 1.1");
+    says(folder, "rm bin/release; bin/quiltfarm task job 0", 0, "is complete");
+    says(folder,
+         "sed -i '0,/\"quiltd\": \"[0-9.]*\"/s//\"quiltd\": \"0.0.1\"/' job/job.json; "
+         "bin/quiltfarm task job 1",
+         1, "quiltfarm: is release ");
+    says(folder, "bin/quiltfarm submit job", 1, "the job was planned with 0.0.1");
+    says(folder, "bin/quiltfarm status job", 0, "1 of 5 complete");
+}
+
+/* Time limits, and memory limits of a whole job, kill quiltfarm together with its program. */
+static void tasks_that_were_killed_without_a_word_count_as_failed(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    for (int i = 0; i < 3; i++)
+        says(folder,
+             "rm -f job/log/task_0.log; sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; "
+             "bin/quiltfarm task job 0 & task=$!; "
+             "until grep -qs 'from pass' job/log/task_0.log; do sleep 0.1; done; "
+             "bin/quiltfarm submit job 2> said.busy && exit 3; grep -q '1 of its steps run' "
+             "said.busy "
+             "|| exit 4; kill -9 $task; wait $task 2> /dev/null; bin/quiltfarm submit job; true",
+             0, i < 2 ? "/job 0\n" : "1 step failed 3 times");
+    assert_failed(folder, "was killed without a word");
+    says(folder, "touch now; bin/quiltfarm resume job", 0, "/job 0\n");
+    says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
+}
+
+/* A machine that is silent for less than five minutes may still render. */
+static void a_step_that_runs_elsewhere_is_not_sent_again(void **state)
+{
+    const char *folder = *state;
+    says(folder, "bin/quiltfarm plan job --engine parallel -- scene.json -o out", 0, "");
+    says(folder, "echo '{\"host\": \"elsewhere\", \"pid\": 1}' > job/done/task_1.running", 0, "");
+    says(folder, "bin/quiltfarm submit job", 1,
+         "job: 1 of its steps run, or were lost in the last");
+    assert_state(folder, "running");
+    says(folder, "touch -d '6 minutes ago' job/done/task_1.running; bin/quiltfarm submit job", 0,
+         "job: complete");
+}
+
+/* GNU parallel would try it three times. */
+static void a_full_disk_is_not_tried_again(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "cp scene.json good; sed -i '1s/{/{\"fail\": \"out: No space left on device\",/' "
+         "scene.json; "
+         "bin/quiltfarm task job 2",
+         1, "No space left on device");
+    says(folder, "bin/quiltfarm submit job", 0, "1 step failed 3 times");
+    says(folder, "mv good scene.json; PARALLEL_SEQ=1 bin/quiltfarm task job 2", 1,
+         "No space left on device");
+    says(folder, "PARALLEL_SEQ=1 bin/quiltfarm task job 1", 0, "is complete");
+    says(folder, "bin/quiltfarm resume job && PARALLEL_SEQ=1 bin/quiltfarm task job 2", 0,
+         "task 2 is complete");
+    /* a state that has no room is not begun */
+    says(folder,
+         "sed -i 's/\"state_bytes\": 2.*,/\"state_bytes\": 1e18,/' job/job.json; bin/quiltfarm "
+         "task job 3",
+         1, "and a task needs 1000 PB; make room, and resume the job");
+    says(folder, "bin/quiltfarm submit job", 0, "1 step failed 3 times");
+    assert_false(is_there(folder, "job/log/task_3.log"));
+}
+
+/* The files of this process may have so many blocks: the disk is full as soon as job.json is. */
+static void a_plan_that_fails_leaves_no_folder(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "trap '' XFSZ; ulimit -f 1; bin/quiltfarm plan job --engine list -- scene.json -o out", 1,
+         "job");
+    assert_false(is_there(folder, "job"));
+    says(folder,
+         "mkdir job; cp scene.json job/; trap '' XFSZ; ulimit -f 1; bin/quiltfarm plan job "
+         "--engine list -- job/scene.json -o out",
+         1, "job");
+    says(folder, "ls job", 0, "scene.json\n");
+    says(folder, "ls job | wc -l", 0, "1\n");
+    says(folder, "bin/quiltfarm plan job --engine list -- job/scene.json -o out", 0, "5 tasks");
+}
+
 /* ---------------------------------------------------------------------------------- mistakes -- */
 
 static void mistakes_on_the_command_line_are_told(void **state)
@@ -211,6 +342,16 @@ static void mistakes_on_the_command_line_are_told(void **state)
     says(folder, "bin/quiltfarm", 2, "COMMAND: is missing; see --help");
     says(folder, "bin/quiltfarm sbumit job", 2, "did you mean submit?");
     says(folder, "bin/quiltfarm status", 2, "status: expects JOB");
+    says(folder, "bin/quiltfarm status a b", 2, "b: is one word too many; status expects JOB");
+    says(folder, "bin/quiltfarm status job --slots 3", 2, "status: takes no --slots");
+    says(folder, "bin/quiltfarm merge job --check", 2, "merge: takes no --check");
+    says(folder, "bin/quiltfarm plan job scene.json -o out", 2,
+         "-o: is no word of quiltfarm plan; pass words of quiltrender after --");
+    says(folder, "bin/quiltfarm plan job scene.json", 2,
+         "scene.json: is no word of quiltfarm plan");
+    says(folder, "bin/quiltfarm resume job -p long", 2,
+         "-p: is no word of quiltfarm resume; pass words of sbatch or parallel after --");
+    says(folder, "bin/quiltfarm plan job -- scene.json -o", 2, "-o: expects an argument");
     says(folder, "bin/quiltfarm status job -- more", 2, "takes no words after --");
     says(folder, "bin/quiltfarm status job", 1, "there is no such folder");
     says(folder, "bin/quiltfarm plan job", 2, "pass it as -- SCENE -o OUT");
@@ -354,241 +495,11 @@ static void the_plan_passes_words_on_and_tells_the_cost(void **state)
          "--slots 2 -- scene.json -o out",
          0, "work        21 s of CPU time; the longest task 6.0 s");
     assert_non_null(strstr(got.text, "wall time   3.5 s with 2 tasks at once"));
-    assert_non_null(strstr(got.text, "3 threads, at most 30 MB of memory"));
+    assert_non_null(strstr(got.text, "a task      3 threads, at most 30 MB of memory"));
+    assert_non_null(strstr(got.text, "a finish    at most 10 MB of memory"));
     says(folder, "tr -d ' \\n' < job/job.json", 0,
          "\"asked\":{\"--task-minutes\":\"5\",\"--task-memory\":\"2G\"}");
     says(folder, "cat job/tasks", 0, "/bin/quiltfarm task /");
-}
-
-/* ------------------------------------------------------------------------------------- slurm -- */
-
-/* Runs shell words with programs of Slurm that are the test's own (tests/farm/fake-slurm). */
-static void slurm_says(const char *folder, const char *line, int code, const char *words)
-{
-    char source[PATH_MAX], all[2 * PATH_MAX];
-    assert_non_null(realpath(lf_test_source("tests/farm/fake-slurm"), source));
-    snprintf(all, sizeof all, "PATH=%s:$PATH; %s", source, line);
-    says(folder, all, code, words);
-}
-
-static void plan_slurm(const char *folder, const char *config)
-{
-    says(folder, "bin/quiltfarm plan job --engine slurm --threads 3 -- scene.json -o out", 0,
-         "for slurm");
-    lf_test_write(folder, "config", config);
-}
-
-/* Slurm's programs are called in this test's folder. */
-static void assert_sent(const char *folder, int line, const char *words)
-{
-    char command[256];
-    snprintf(command, sizeof command, "sed -n %dp sbatch.log", line);
-    says(folder, command, 0, words);
-}
-
-static void arrays_and_dependencies_fit_the_limits_of_the_cluster(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "MaxArraySize            = 3\nMaxJobCount             = 10000\n");
-    slurm_says(folder, "bin/quiltfarm submit job --slots 4 -- -p render", 0,
-               "sent to Slurm as job-");
-    assert_sent(folder, 1, "--array=0-2%2 ");
-    assert_sent(folder, 1, "--cpus-per-task=3 ");
-    assert_sent(folder, 1, "--mem=321M "); /* 1.25 times 256 MiB and 1 */
-    assert_sent(folder, 1, "--time=10 -p render ");
-    assert_sent(folder, 1, "task.sbatch task 0 1 ");
-    assert_sent(folder, 2, "--array=0-1%2 ");
-    assert_sent(folder, 2, "task.sbatch task 3 1 ");
-    assert_sent(folder, 3, "--dependency=afterok:11_0:11_1 --kill-on-invalid-dep=yes");
-    assert_sent(folder, 3, "task.sbatch finish 0 1 ");
-    assert_sent(folder, 4, "--dependency=afterok:11_2:12_0 ");
-    assert_sent(folder, 5, "--dependency=afterok:12_1 ");
-    says(folder, "wc -l < sbatch.log", 0, "5\n");
-}
-
-static void a_nearly_full_cluster_gets_several_tasks_in_a_job(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "MaxArraySize = 1001\nMaxJobCount = 24\n");
-    lf_test_write(folder, "others", "R\nR\nPD\nCD\n");
-    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
-    assert_sent(folder, 1, "--array=0-2 ");
-    assert_sent(folder, 1, "task.sbatch task 0 2 ");
-    assert_sent(folder, 2, "--dependency=afterok:11 ");
-    assert_sent(folder, 2, "task.sbatch finish 0 3 ");
-    lf_test_write(folder, "queue", "11 1 RUNNING None\n");
-    slurm_says(folder, "bin/quiltfarm status job", 0, "0 of 5 complete, 2 running");
-    says(folder, "rm queue; echo R >> others", 0, "");
-    slurm_says(folder, "bin/quiltfarm submit job", 1, "Slurm holds 5 jobs, and takes no more now");
-    says(folder, "wc -l < sbatch.log", 0, "2\n");
-}
-
-static void the_queue_is_shown_and_not_sent_twice(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "");
-    lf_test_write(folder, "queue", "7 0 PENDING PartitionConfig\n"); /* of a removed job */
-    slurm_says(folder, "bin/quiltfarm submit job", 1, "slurm has 1 of its steps");
-    says(folder, "rm queue", 0, "");
-    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
-    lf_test_write(folder, "queue", "11 0 PENDING PartitionConfig\n");
-    slurm_says(folder, "bin/quiltfarm status job", 0, "the processors of --threads?");
-    lf_test_write(folder, "queue",
-                  "11 0 RUNNING None\n11 1 COMPLETING None\n11 2 PENDING JobArrayTaskLimit\n"
-                  "11 3 PENDING launch failed requeued held\n12 N/A PENDING Dependency\n");
-    slurm_says(folder, "bin/quiltfarm status job", 0, "0 of 5 complete, 2 running");
-    slurm_says(folder, "bin/quiltfarm status job", 0,
-               "note      Slurm keeps 11_3 waiting: launch failed requeued held");
-    slurm_says(folder, "bin/quiltfarm submit job", 1, "slurm has 5 of its steps");
-    slurm_says(folder, "bin/quiltfarm resume job", 1, "slurm has 5 of its steps");
-    slurm_says(folder, "bin/quiltfarm cancel job && cat scancel.log", 0, "--name=job-");
-    /* what fails in the middle is known later */
-    says(folder, "rm queue calls sbatch.log; echo 2 > full", 0, "");
-    slurm_says(folder, "bin/quiltfarm submit job", 1, "sbatch: ended with status 1");
-    says(folder, "cat job/sent.json", 0, "\"id\": 11");
-    lf_test_write(folder, "queue", "11 0 PENDING Priority\n");
-    slurm_says(folder, "bin/quiltfarm submit job", 1, "slurm has 1 of its steps");
-    says(folder, "PATH=/nowhere; bin/quiltfarm submit job", 1,
-         "squeue: not found; go to a machine with Slurm");
-    says(folder, "PATH=/nowhere; bin/quiltfarm status job", 0, "showing only what is on the disk");
-}
-
-/* The script that Slurm runs is told to end in the states that Slurm may show then. */
-static void script_says(const char *folder, const char *before, const char *slurm_state,
-                        const char *requeued)
-{
-    char line[1024];
-    snprintf(line, sizeof line,
-             "rm -f requeue.log job/log/task_0.log; %s; echo '%s' > state; "
-             "export SLURM_ARRAY_JOB_ID=11 SLURM_ARRAY_TASK_ID=0; "
-             "sh job/task.sbatch task 0 1 \"$PWD/job\" \"$PWD/bin/quiltfarm\" & script=$!; "
-             "until grep -qs 'from pass' job/log/task_0.log || ! kill -0 $script; do sleep 0.1; "
-             "done; touch told; kill -TERM $script; wait $script; code=$?; "
-             "echo \"ended with $code\"; cat requeue.log || echo 'not requeued'",
-             before, slurm_state);
-    slurm_says(folder, line, 0, "ended with 75");
-    if (!strstr(got.text, requeued))
-        fail_msg("%s, \"%s\": \"%s\" lacks \"%s\"", before, slurm_state, got.text, requeued);
-}
-
-static void a_task_that_was_cancelled_does_not_return_to_the_queue(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "");
-    slurm_says(folder,
-               "sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; bin/quiltfarm submit job",
-               0, "sent to Slurm");
-    script_says(folder, "true", "RUNNING None", "\n11_0\n");
-    script_says(folder, "true", "COMPLETING TimeLimit", "\n11_0\n");
-    script_says(folder, "true", "", "\n11_0\n"); /* Slurm is silent */
-    script_says(folder, "true", "COMPLETING None", "not requeued");
-    script_says(folder, "true", "CANCELLED None", "not requeued");
-    /* before it begins, whatever Slurm shows, and while it runs */
-    slurm_says(folder, "bin/quiltfarm cancel job", 0, "cancelled; running tasks save first");
-    slurm_says(
-        folder,
-        "rm -f requeue.log; sh job/task.sbatch task 0 1 \"$PWD/job\" /bin/false; echo $?; ls "
-        "requeue.log",
-        2, "75\n");
-    slurm_says(folder, "bin/quiltfarm resume job; ls job/log/cancelled", 2, "sent to Slurm");
-    says(folder, "printf '#!/bin/sh\\ntouch job/log/cancelled; exit 75\\n' > own; chmod +x own", 0,
-         "");
-    slurm_says(folder,
-               "echo RUNNING > state; sh job/task.sbatch task 0 1 \"$PWD/job\" ./own; echo $?; ls "
-               "requeue.log",
-               2, "75\n");
-}
-
-static void a_submission_ends_when_it_is_cancelled(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "MaxArraySize = 2\nMaxJobCount = 10000\n");
-    slurm_says(
-        folder,
-        "touch slow; bin/quiltfarm submit job & submit=$!; "
-        "until [ -e sbatch.log ]; do sleep 0.1; done; "
-        "bin/quiltfarm cancel job & cancel=$!; until [ -e scancel.log ]; do sleep 0.1; done; "
-        "rm slow; wait $cancel || exit 3; wait $submit",
-        75, "was cancelled");
-    says(folder, "wc -l < sbatch.log", 0, "1\n");
-    says(folder, "wc -l < scancel.log", 0, "2\n"); /* and after the submission */
-    says(folder, "cat job/sent.json", 0, "\"id\": 11");
-}
-
-static void slots_hold_for_all_arrays_together(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "MaxArraySize = 2\nMaxJobCount = 10000\n");
-    slurm_says(folder, "bin/quiltfarm submit job --slots 2", 0, "sent to Slurm");
-    assert_sent(folder, 1, "--array=0-1%1 ");
-    assert_sent(folder, 1, "task.sbatch task 0 2 ");
-    assert_sent(folder, 2, "--array=0%1 ");
-    assert_sent(folder, 2, "task.sbatch task 4 2 ");
-    says(folder, "rm sbatch.log", 0, "");
-    slurm_says(folder, "bin/quiltfarm submit job --slots 1", 0, "sent to Slurm");
-    assert_sent(folder, 1, "%1 ");
-    assert_sent(folder, 2, "task.sbatch finish ");
-    says(folder, "rm sbatch.log", 0, "");
-    slurm_says(folder, "bin/quiltfarm submit job --slots 4", 0, "sent to Slurm");
-    assert_sent(folder, 1, "--array=0-1%2 ");
-    assert_sent(folder, 2, "--array=0-1%1 ");
-    assert_sent(folder, 3, "--array=0%1 ");
-}
-
-/* One task is missing, and there is room for a few jobs. */
-static void the_missing_steps_decide_what_is_asked_for(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "MaxArraySize = 1001\nMaxJobCount = 20\n");
-    says(folder,
-         "sed -i 's/\"cpu_seconds\": 3[.0]*,/\"cpu_seconds\": 7200.0,/' job/job.json; "
-         "bin/quiltfarm task job 0:1 && bin/quiltfarm task job 3:4 && bin/quiltfarm finish "
-         "job 0 && bin/quiltfarm finish job 2",
-         0, "");
-    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
-    assert_sent(folder, 1, "--array=2 ");
-    assert_sent(folder, 1, "--time=130 "); /* 10 and 3 times 7200 s of 3 threads */
-    assert_sent(folder, 1, "task.sbatch task 0 1 ");
-    assert_sent(folder, 2, "--dependency=afterok:11_2 ");
-    assert_sent(folder, 2, "task.sbatch finish ");
-    says(folder, "wc -l < sbatch.log", 0, "2\n");
-}
-
-static void a_large_state_has_more_time_to_be_saved(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "");
-    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
-    assert_sent(folder, 1, "--signal=B:TERM@120 ");
-    says(folder,
-         "sed -i 's/\"state_bytes\": 2.*,/\"state_bytes\": 20e9,/' job/job.json; rm sbatch.log", 0,
-         "");
-    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
-    assert_sent(folder, 1, "--signal=B:TERM@420 ");
-    assert_sent(folder, 1, "--time=15 ");
-}
-
-static void words_and_environment_of_the_user_hide_no_job(void **state)
-{
-    const char *folder = *state;
-    plan_slurm(folder, "");
-    slurm_says(folder, "bin/quiltfarm submit job -- -J mine", 2, "is set by quiltfarm");
-    slurm_says(folder, "bin/quiltfarm submit job -- --array=3", 2, "is set by quiltfarm");
-    slurm_says(folder, "bin/quiltfarm submit job -- -M other -p long", 0, "sent to Slurm");
-    assert_sent(folder, 1, "-M other -p long ");
-    says(folder, "cat scontrol.log", 0, "--clusters=other show config");
-    lf_test_write(folder, "queue", "CLUSTER: other\n11 0 RUNNING None\n");
-    lf_test_write(folder, "others", "11 1 COMPLETED None\n11 2 COMPLETED None\n");
-    slurm_says(folder, "rm squeue.log; export SQUEUE_STATES=all; bin/quiltfarm submit job", 1,
-               "slurm has 1 of its steps");
-    says(folder, "cat squeue.log", 0, "--clusters=other --name=job-");
-    says(folder, "grep -F -e \"--user=$(id -u),$(id -u) \" squeue.log", 0, "--user=");
-    slurm_says(folder, "bin/quiltfarm cancel job", 0, "cancelled");
-    says(folder, "cat scancel.log", 0, "--clusters=other --name=job-");
-    says(folder, "grep -e \"--user=$(id -u)\" scancel.log", 0, "--user=");
-    says(folder, "sed -i 's/\"uid\": [0-9]*/\"uid\": 4000000/' job/sent.json", 0, "");
-    if (getuid() != 0)
-        slurm_says(folder, "bin/quiltfarm cancel job", 1, "was submitted by user 4000000");
 }
 
 int main(void)
@@ -596,6 +507,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         in_folder(tasks_and_a_merge_make_what_one_run_makes),
         in_folder(a_step_is_complete_while_its_files_have_their_sizes),
+        in_folder(a_check_finds_bytes_that_differ_and_resume_repairs_them),
         in_folder(only_what_is_missing_is_sent),
         in_folder(an_older_state_of_a_lost_machine_is_not_merged),
         in_folder(a_damaged_state_is_made_again),
@@ -606,6 +518,12 @@ int main(void)
         in_folder(an_interrupted_task_goes_on_from_its_state),
         in_folder(a_task_that_could_not_save_has_failed),
         in_folder(a_signal_to_all_processes_saves_the_state),
+        in_folder(a_file_that_changed_since_the_plan_is_told),
+        in_folder(another_release_is_told),
+        in_folder(tasks_that_were_killed_without_a_word_count_as_failed),
+        in_folder(a_step_that_runs_elsewhere_is_not_sent_again),
+        in_folder(a_full_disk_is_not_tried_again),
+        in_folder(a_plan_that_fails_leaves_no_folder),
         in_folder(mistakes_on_the_command_line_are_told),
         in_folder(a_folder_that_holds_the_scene_becomes_a_job),
         in_folder(the_whole_path_is_checked_for_what_schedulers_replace),
@@ -615,15 +533,6 @@ int main(void)
         in_folder(a_damaged_plan_makes_no_job),
         in_folder(damaged_files_of_a_job_are_refused_or_missing),
         in_folder(the_plan_passes_words_on_and_tells_the_cost),
-        in_folder(arrays_and_dependencies_fit_the_limits_of_the_cluster),
-        in_folder(a_nearly_full_cluster_gets_several_tasks_in_a_job),
-        in_folder(the_queue_is_shown_and_not_sent_twice),
-        in_folder(a_task_that_was_cancelled_does_not_return_to_the_queue),
-        in_folder(a_submission_ends_when_it_is_cancelled),
-        in_folder(slots_hold_for_all_arrays_together),
-        in_folder(the_missing_steps_decide_what_is_asked_for),
-        in_folder(a_large_state_has_more_time_to_be_saved),
-        in_folder(words_and_environment_of_the_user_hide_no_job),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

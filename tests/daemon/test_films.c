@@ -326,6 +326,92 @@ static void a_frame_that_does_not_fit_is_told_before_anything_is_encoded(void **
     assert_true(qr_exists(f->folder, "started"));
 }
 
+/* Frame 1 and options that frame 2 has in their place; told: what is refused, NULL: nothing. */
+static const struct {
+    const char *first, *second, *told;
+} settings[] = {
+    {"--spp 2", "--spp 2 --exposure 1", "exposure 1, not 0"},
+    {"--spp 2", "--spp 2 --integrator vpt", "integrator vpt, not mvpt"},
+    {"--spp 2", "--spp 2 --estimator cv", "estimator cv, not mwis"},
+    {"--spp 2 --denoise on", "--spp 2 --denoise off", "denoise off, not on"},
+    {"--spp 2", "--spp 2 --sampler independent", "sampler independent, not owen"},
+    {"--spp 2", "--spp 3", "budget passes 12, not passes 8"},
+    {"--spp 2", "--time 0.5", "budget seconds 0.5, not passes 8"},
+    {"--spp 2", "--passes 8 --seed 4 --threads 1", NULL},
+    {"--time 0.2", "--time 0.2", NULL},
+};
+
+/* Joined, and kept by a job with the second options. */
+static void try_settings(const qr_files *f, const char *scene, size_t i)
+{
+    const char *told = settings[i].told;
+    qr_outcome o;
+    for (int frame = 1; frame <= 2; frame++)
+        qr_succeed("%s -o %s/m_%%04d.png --turntable 3 --frames %d:%d --overwrite " QUILTS "%s",
+                   scene, f->folder, frame, frame,
+                   frame == 1 ? settings[i].first : settings[i].second);
+    for (int mixed = 0; mixed < 2; mixed++) {
+        const char *option = mixed ? " --mixed" : "";
+        qr_run(&o, "%s/m_%%04d_qs2x2a1.5.png -o %s/m.mp4 --frames 1:2%s", f->folder, f->folder,
+               option);
+        if (!told || mixed)
+            assert_int_equal(o.code, 0);
+        else
+            qr_assert_fails(&o, 1, told);
+        qr_run(&o, "%s -o %s/m_%%04d.png --turntable 3 --frames 1:2 " QUILTS "%s%s", scene,
+               f->folder, settings[i].second, option);
+        if (!told || mixed)
+            assert_int_equal(o.code, 0);
+        else
+            assert_non_null(strstr(o.err, "m_0001_qs2x2a1.5.png: exists and was rendered with "));
+        assert_int_equal(o.code, told && !mixed);
+    }
+}
+
+static void frames_of_other_settings_are_refused(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX];
+    keep_what_it_gets(f);
+    snprintf(scene, sizeof scene, "%s",
+             film(f, "film.json", "{'camera': {'shutter': 0, 'shutter_open': 0}}"));
+    for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
+        print_message("%s, %s\n", settings[i].first, settings[i].second);
+        try_settings(f, scene, i);
+    }
+}
+
+/* A scene in another folder is the same; an exposure with keys is another in each frame. */
+static void frames_of_one_scene_may_differ(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX], command[3 * PATH_MAX];
+    qr_outcome o;
+    keep_what_it_gets(f);
+    snprintf(scene, sizeof scene, "%s",
+             film(f, "film.json", "{'film': {'exposure': {'keys': [[1, 0], [3, 2]]}}}"));
+    qr_succeed("%s -o %s/k_%%04d.png --frames 1:2 --spp 1 " QUILTS, scene, f->folder);
+    snprintf(command, sizeof command, "mkdir %s/other && cp %s %s/other/film.json", f->folder,
+             scene, f->folder);
+    assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c): a test */
+    qr_succeed("%s/other/film.json -o %s/k_%%04d.png --frames 1:4 --spp 1 " QUILTS, f->folder,
+               f->folder);
+    qr_succeed("%s/k_%%04d_qs2x2a1.5.png -o %s/k.mp4 --frames 1:4", f->folder, f->folder);
+    snprintf(scene, sizeof scene, "%s", film(f, "other.json", "{}"));
+    qr_run(&o, "%s -o %s/k_%%04d.png --frames 1:5 --spp 1 " QUILTS, scene, f->folder);
+    qr_assert_fails(&o, 1,
+                    "exists and was rendered with scene film.json, not other.json; use "
+                    "--overwrite, or keep it with --mixed");
+    qr_run(&o, "%s -o %s/k_%%04d.png --frames 1:5 --spp 1 --state %s/s " QUILTS, scene, f->folder,
+           f->folder);
+    qr_assert_fails(&o, 1, "not other.json; remove it, or keep it with --mixed");
+    qr_succeed("%s -o %s/k_%%04d.png --frames 5:5 --spp 1 " QUILTS, scene, f->folder);
+    qr_run(&o, "%s/k_%%04d_qs2x2a1.5.png -o %s/k.mp4 --frames 1:5", f->folder, f->folder);
+    qr_assert_fails(&o, 1,
+                    "frame 5: was rendered with scene other.json, not film.json as in the first "
+                    "frame; render it again, or join all with --mixed; use --frames 1:4");
+}
+
 /* A frame that changes after the check, and an ffmpeg that ends halfway. */
 static void nothing_is_published_of_a_video_that_fails(void **state)
 {
@@ -526,6 +612,8 @@ int main(void)
         TEST(pictures_become_one_output_each),
         TEST(wrong_names_and_options_are_one_line),
         TEST(a_frame_that_does_not_fit_is_told_before_anything_is_encoded),
+        TEST(frames_of_other_settings_are_refused),
+        TEST(frames_of_one_scene_may_differ),
         TEST(nothing_is_published_of_a_video_that_fails),
         TEST(a_stopped_job_leaves_nothing),
         TEST(a_folder_of_frames_is_views),

@@ -118,6 +118,79 @@ static void a_killed_plate_goes_on(void **state)
     assert_non_null(strstr(o.err, "kept "));
 }
 
+static bool has_exposure(const char *folder, double exposure)
+{
+    json_t *plate = json_load_file(lf_test_path(folder, "plate.json"), 0, NULL);
+    const bool has = plate && number(plate, "settings", "exposure", 0) == exposure;
+    json_decref(plate);
+    return has;
+}
+
+/* A plate that is rendered over another one, and killed, has no row of the other one. */
+static void a_killed_overwrite_mixes_nothing(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX], fresh[PATH_MAX], mixed[PATH_MAX], line[4 * PATH_MAX];
+    const char *const options = "--view-size 12x8 --spp 40 --denoise off --exposure -1";
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    snprintf(fresh, sizeof fresh, "%s/fresh", f->folder);
+    snprintf(mixed, sizeof mixed, "%s/mixed", f->folder);
+    qr_succeed("%s -o %s/ --hologram views %s", scene, fresh, options);
+    qr_succeed("%s -o %s/ --hologram views" SMALL, scene, mixed);
+    const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    snprintf(line, sizeof line, "%s -o %s/ --hologram views %s --overwrite", scene, mixed, options);
+    const pid_t pid = qr_start(line, null, null, RLIM_INFINITY);
+    for (int k = 0; k < 6000 && !has_exposure(mixed, -1); k++)
+        qr_nap(0.001);
+    for (int k = 0; k < 6000 && !qr_exists(mixed, "rows/r000.json"); k++)
+        qr_nap(0.001);
+    kill(pid, SIGKILL);
+    qr_ended(pid);
+    close(null);
+    qr_succeed("%s -o %s/ --hologram views %s", scene, mixed, options);
+    assert_same_plates(fresh, mixed);
+}
+
+/* The facts of a plate have what the scene shows, wherever it is. */
+static void rows_of_another_scene_are_refused(void **state)
+{
+    static const char *const text =
+        "{\"quiltd\": 1, \"camera\": {\"position\": [0, 0, 5], \"fov_y\": 30, \"aspect\": 1.5, "
+        "\"views\": {\"grid\": {\"columns\": 2, \"rows\": 2, \"width\": 1, \"height\": 1}}}, "
+        "\"include\": \"ball.json\"}";
+    static const char *const ball =
+        "{\"meshes\": {\"ball\": {\"shape\": \"sphere\"}}, \"materials\": {}, \"lights\": "
+        "{\"sky\": {\"type\": \"environment\", \"radiance\": %d}}}";
+    const qr_files *f = *state;
+    char one[PATH_MAX], other[PATH_MAX], plates[2][PATH_MAX], words[512];
+    qr_outcome o;
+    snprintf(one, sizeof one, "%s", lf_test_path(f->folder, "one"));
+    snprintf(other, sizeof other, "%s", lf_test_path(f->folder, "other"));
+    assert_int_equal(mkdir(one, 0777), 0);
+    assert_int_equal(mkdir(other, 0777), 0);
+    snprintf(words, sizeof words, ball, 1);
+    for (int i = 0; i < 2; i++) {
+        lf_test_write(i ? other : one, "scene.json", text);
+        lf_test_write(i ? other : one, "ball.json", words);
+        snprintf(plates[i], sizeof plates[i], "%s/of_scene_%d", f->folder, i);
+        qr_succeed("%s/scene.json -o %s/ --hologram views --threads %d" SMALL, i ? other : one,
+                   plates[i], 1 + i);
+    }
+    assert_same_plates(plates[0], plates[1]);
+    qr_run(&o, "%s/scene.json -o %s/ --hologram views" SMALL, other, plates[0]);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "2 of 2 rows exist"));
+    snprintf(words, sizeof words, ball, 2); /* what the scene includes has changed */
+    lf_test_write(one, "ball.json", words);
+    qr_run(&o, "%s/scene.json -o %s/ --hologram views" SMALL, one, plates[0]);
+    qr_assert_fails(&o, 1, "the plate there has another \"scene_hash\"");
+    qr_run(&o, "%s/scene.json -o %s/ --hologram views --overwrite --camera-rows 0:1" SMALL, one,
+           plates[0]);
+    qr_assert_fails(&o, 1, "choose another folder, or use --overwrite without --camera-rows");
+    qr_run(&o, "%s/scene.json -o %s/ --hologram views --plan" SMALL, one, plates[0]);
+    qr_assert_fails(&o, 1, "choose another folder, or remove this one");
+}
+
 /* Bands of image rows, kept as states, then the rows, then the plate. */
 static void a_plan_with_bands_makes_the_plate(void **state)
 {
@@ -202,6 +275,57 @@ static void printers_have_rigs(void **state)
     json_decref(m);
 }
 
+/* The printer's hogels are of 1 mm, whatever pixels it is sent. */
+static void hogels_of_a_printer_are_not_pixels(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    qr_outcome o;
+    snprintf(folder, sizeof folder, "%s/fine", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --plate-size 4x5 "
+               "--view-size 16x20 --spp 1 --plate-format tiff",
+               f->scene, folder);
+    json_t *m = manifest_of(folder);
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(number(m, "hogels", NULL, i), 4 + i);
+        assert_int_equal(number(m, "pixels", NULL, i), 16 + 4 * i);
+        lf_assert_close(number(m, "hogel_pitch_mm", NULL, i), 1, 1e-12, 0);
+        lf_assert_close(number(m, "pixel_pitch_mm", NULL, i), 0.25, 1e-12, 0);
+    }
+    assert_non_null(strstr(json_string_value(json_object_get(m, "preset_note")), "not published"));
+    const double pixels = number(m, "shift", "farthest", 0);
+    json_decref(m);
+    snprintf(folder, sizeof folder, "%s/coarse", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --plate-size 4x5 "
+               "--view-size 4x5 --spp 1",
+               f->scene, folder);
+    m = manifest_of(folder);
+    assert_null(json_object_get(m, "pixels"));
+    lf_assert_close(number(m, "shift", "farthest", 0), pixels, 1e-3, 0);
+    json_decref(m);
+    qr_run(&o,
+           "%s -o %s/ --hologram raw --hologram-preset litiholo --plate-size 4x5 --view-size 16x20",
+           f->scene, folder);
+    qr_assert_fails(&o, 2, "the printer makes 4x5 hogels from finer pixels; use --hologram views");
+}
+
+/* A printer's angle is its own. */
+static void depthiness_does_not_bend_a_printer(void **state)
+{
+    const qr_files *f = *state;
+    char folder[PATH_MAX];
+    const char *flat = lf_test_write(
+        f->folder, "flat.json", "{\"include\": \"fog.json\", \"camera\": {\"depthiness\": 0.5}}");
+    snprintf(folder, sizeof folder, "%s/bent", f->folder);
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --view-size 8x10 "
+               "--spp 1",
+               flat, folder);
+    json_t *m = manifest_of(folder);
+    lf_assert_close(number(m, "cameras", "positions", 2),
+                    number(m, "cameras", "distance", 0) * tan(22.5 * M_PI / 180), 1e-9, 0);
+    json_decref(m);
+}
+
 /* A track of 1280 frames is five rigs. */
 static void a_long_track_is_one_row_of_eyes(void **state)
 {
@@ -261,6 +385,37 @@ static void depth_is_told(void **state)
     }
 }
 
+/* Rows that are farther from each other than columns shift more. */
+static void depth_is_told_from_row_to_row(void **state)
+{
+    static const char *const windows[] = {"shared", "own"};
+    const qr_files *f = *state;
+    qr_outcome o;
+    for (int i = 0; i < 2; i++) {
+        char text[1024], folder[PATH_MAX];
+        snprintf(text, sizeof text,
+                 "{\"camera\": {\"position\": [0, 0, 5], \"fov_y\": 30, \"aspect\": 1, "
+                 "\"views\": {\"grid\": {\"columns\": 5, \"rows\": 3, \"width\": 0.4, "
+                 "\"height\": 3, \"window\": \"%s\"}}}, \"meshes\": {\"ball\": {\"shape\": "
+                 "\"sphere\", \"transform\": {\"scale\": 0.01, \"translate\": [0, 0, -1.5]}}}, "
+                 "\"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}",
+                 windows[i]);
+        snprintf(folder, sizeof folder, "%s/high_%d", f->folder, i);
+        const char *scene = lf_test_write(f->folder, "high.json", text);
+        qr_run(&o, "%s -o %s/ --hologram views --view-size %s --spp 1", scene, folder,
+               i ? "16x8" : "96x48");
+        assert_int_equal(o.code, 0);
+        json_t *m = manifest_of(folder);
+        /* steps of 0.1 and 1.5; a cell or direction is half as wide as high */
+        const double ratio = number(m, "shift", "farthest", 1) / number(m, "shift", "farthest", 0);
+        lf_assert_close(ratio, i ? 2 * 0.1 / 1.5 : 0.5 * 1.5 / 0.1, 1e-9, 0);
+        json_decref(m);
+        if (i == 0)
+            assert_non_null(strstr(o.err, "cells from row to row; above 4 they are soft; use more "
+                                          "rows or less depth"));
+    }
+}
+
 static void cells_say_what_they_do_not_see(void **state)
 {
     const qr_files *f = *state;
@@ -273,6 +428,8 @@ static void cells_say_what_they_do_not_see(void **state)
     qr_run(&o, "%s -o %s/inside/ --hologram hogels" SMALL, scene, f->folder);
     assert_int_equal(o.code, 0);
     assert_non_null(strstr(o.err, "some objects are in front of the plate"));
+    qr_run(&o, "%s -o %s/one_row/ --hologram hogels --view-size 30x1", scene, f->folder);
+    qr_assert_fails(&o, 2, "cells need several rows of directions");
     qr_run(&o, "%s -o %s/inside2/ --hologram hogels --plate-size 100x100" SMALL, scene, f->folder);
     qr_assert_fails(&o, 2,
                     "--plate-size: the grid of cells is 1.5 times as wide as high, the plate "
@@ -326,11 +483,16 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_alone_are_the_plate),
         cmocka_unit_test(a_killed_plate_goes_on),
+        cmocka_unit_test(a_killed_overwrite_mixes_nothing),
+        cmocka_unit_test(rows_of_another_scene_are_refused),
         cmocka_unit_test(a_plan_with_bands_makes_the_plate),
         cmocka_unit_test(receipts_list_the_files),
         cmocka_unit_test(printers_have_rigs),
+        cmocka_unit_test(hogels_of_a_printer_are_not_pixels),
+        cmocka_unit_test(depthiness_does_not_bend_a_printer),
         cmocka_unit_test(a_long_track_is_one_row_of_eyes),
         cmocka_unit_test(depth_is_told),
+        cmocka_unit_test(depth_is_told_from_row_to_row),
         cmocka_unit_test(cells_say_what_they_do_not_see),
         cmocka_unit_test(mistakes_are_told),
     };

@@ -111,6 +111,72 @@ static void rows_of_cameras_are_tasks(void **state)
     json_decref(p);
 }
 
+/* The note of a file among the inputs of a plan; NULL: it is not there. */
+static const json_t *input(const json_t *p, const char *folder, const char *name)
+{
+    const char *path = lf_test_path(folder, name);
+    size_t i;
+    const json_t *entry;
+    json_array_foreach(json_object_get(p, "inputs"), i, entry)
+    {
+        if (strcmp(json_string_value(json_object_get(entry, "name")), path) == 0)
+            return entry;
+    }
+    return NULL;
+}
+
+/* Tasks see by these notes whether a file has changed: of the scene, of what it includes and reads.
+ */
+static void a_plan_notes_the_files_that_it_has_read(void **state)
+{
+    const qr_files *f = *state;
+    const char *scene = lf_test_write(
+        f->folder, "shown.json",
+        "{ \"include\": \"fog.json\", \"meshes\": { \"one\": { \"file\": \"one.obj\" } } }\n");
+    lf_test_write(f->folder, "one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    json_t *p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE, scene, f->folder);
+    assert_int_equal(count(p, "inputs"), 3);
+    assert_non_null(input(p, f->folder, "shown.json"));
+    assert_non_null(input(p, f->folder, "fog.json"));
+    const json_t *mesh = input(p, f->folder, "one.obj");
+    assert_int_equal(whole_of(mesh, "bytes"), 32);
+    assert_string_equal(json_string_value(json_object_get(mesh, "sha256")),
+                        "697b00ab13410c52a542d2e9c63711fcc04e9cbf6c0d3439a9b43cc812e6e713");
+    assert_true(json_is_string(json_object_get(p, "quiltd")));
+    /* a large file has no hash, so that tasks do not read it twice */
+    assert_int_equal(truncate(lf_test_path(f->folder, "one.obj"), (16 << 20) + 1), 0);
+    json_decref(p);
+    p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE, scene, f->folder);
+    mesh = input(p, f->folder, "one.obj");
+    assert_int_equal(whole_of(mesh, "bytes"), (16 << 20) + 1);
+    assert_null(json_object_get(mesh, "sha256"));
+    json_decref(p);
+}
+
+/* The highest row of cameras, the last, meets a fog with many collisions, the lowest nothing: the
+ * work of their tasks differs by more than ten, which the plan must tell to a factor of two. */
+static void rows_that_see_less_take_less_time(void **state)
+{
+    const qr_files *f = *state;
+    const char *scene = lf_test_write(
+        f->folder, "high.json",
+        "{ \"quiltd\": 1, \"camera\": { \"position\": [0, 0, 3], \"target\": [0, 0, 0], "
+        "\"fov_y\": 30, \"views\": { \"grid\": { \"columns\": 3, \"rows\": 3, \"width\": 1, "
+        "\"height\": 20, \"window\": \"own\" } } }, \"volumes\": { \"fog\": { \"shape\": "
+        "\"sphere\", \"transform\": { \"translate\": [0, 10, 0] }, \"density\": 20, \"albedo\": "
+        "0.99 } }, \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 1 } } }\n");
+    json_t *p = plan("--plan --json --task-minutes 0 %s -o %s/r_%%d/ --spp 64 --camera-rows 0:2 "
+                     "--view-size 24x16",
+                     scene, f->folder);
+    double cpu[3];
+    assert_int_equal(count(p, "tasks"), 3);
+    for (size_t i = 0; i < 3; i++)
+        cpu[i] = json_number_value(json_object_get(item(p, "tasks", i), "cpu_seconds"));
+    if (!(cpu[2] > 2 * cpu[0]))
+        fail_msg("rows of cameras: %g, %g and %g s", cpu[0], cpu[1], cpu[2]);
+    json_decref(p);
+}
+
 /* Without a limit the job is one task, which names its light fields. */
 static void a_short_job_is_one_task(void **state)
 {
@@ -305,13 +371,31 @@ static void memory_grows_with_rows(void **state)
     json_t *p = plan("--plan --json --task-memory 1K %s -o %s/large.exr --spp 1 --denoise off "
                      "--views 40 --view-size 160x64 --threads 1 ",
                      f->scene, f->folder);
-    const json_int_t row = whole_of(p, "state_bytes"), image = 40 * 160 * 64 * 12,
+    const json_int_t row = whole_of(p, "state_bytes") / 4, image = 40 * 160 * 64 * 12,
                      all = whole_of(item(p, "finishes", 0), "memory"),
                      band = whole_of(item(p, "tasks", 0), "memory");
-    assert_int_equal(count(p, "tasks"), 64);
-    assert_true(all - band >= 63 * row + image);
+    assert_int_equal(count(p, "tasks"), 16);
+    assert_true(all - band >= 60 * row + image);
     assert_true(whole_of(p, "memory") == all);
     json_decref(p);
+}
+
+static void memory_that_cannot_be_met_is_told(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_run(&o, "--plan --json --task-memory 1K %s -o %s/one.png --spp 2 " SIZE, f->scene,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    if (!strstr(o.err, "--task-memory: the smallest task needs ") ||
+        !strstr(o.err, " MB, and 0 MB were asked for"))
+        fail_msg("\"%s\"", o.err);
+    qr_run(&o, "--plan --json --task-memory 1000G %s -o %s/one.png --spp 2 " SIZE, f->scene,
+           f->folder);
+    assert_null(strstr(o.err, "the smallest task"));
+    qr_run(&o, "--plan --task-memory 1K %s -o %s/one.png --spp 2 " SIZE, f->scene, f->folder);
+    assert_non_null(strstr(o.out, "# memory of a task "));
+    assert_non_null(strstr(o.out, "# memory of a finish "));
 }
 
 static void wrong_plans_are_one_line(void **state)
@@ -420,6 +504,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(rows_of_cameras_are_tasks, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_plan_notes_the_files_that_it_has_read, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(rows_that_see_less_take_less_time, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(other_light_fields_stay_whole, qr_set_up, qr_tear_down),
@@ -430,6 +517,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_video_is_frames_and_a_finish, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(sizes_of_states_are_exact, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(memory_grows_with_rows, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(memory_that_cannot_be_met_is_told, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,

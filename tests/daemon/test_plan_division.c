@@ -184,10 +184,32 @@ static void memory_limits_bands(void **state)
     for (int i = 0; i < d.n_tasks; i++)
         assert_true(d.tasks[i].cost.memory <= 170);
     lf_plan_division_finish(&d);
-    d = divide(f, 60, 1); /* one row is the least */
+}
+
+/* One row needs 110; more and more tasks would not help. */
+static void memory_that_cannot_be_met_makes_few_tasks(void **state)
+{
+    fixture *f = *state;
+    assert_near(lf_plan_least_memory(&f->job, &f->model), 110, 1e-9);
+    lf_plan_division d = divide(f, 1e6, 109);
+    assert_int_equal(d.n_finishes, FIELDS);
+    assert_true(d.n_tasks <= 16 * FIELDS);
+    for (int i = 0; i < d.n_tasks; i++)
+        assert_in_range(d.tasks[i].rows[1] - d.tasks[i].rows[0], 0, 2);
     assert_complete(&d);
-    assert_int_equal(d.n_tasks, FIELDS * ROWS);
     lf_plan_division_finish(&d);
+    d = divide(f, 1e6, 110); /* can be met: a row each */
+    assert_complete(&d);
+    assert_int_equal(d.n_tasks, ROWS * FIELDS);
+    lf_plan_division_finish(&d);
+    /* light fields that cannot be divided: as many in a task as the time allows */
+    f->job.can_band = false;
+    assert_near(lf_plan_least_memory(&f->job, &f->model), 100 + ROWS * 10 + 200, 1e-9);
+    d = divide(f, 1e6, 109);
+    assert_int_equal(d.n_tasks, 1);
+    lf_plan_division_finish(&d);
+    f->job.is_joined = true; /* states only */
+    assert_near(lf_plan_least_memory(&f->job, &f->model), 100 + ROWS * 10, 1e-9);
 }
 
 static void memory_divides_without_times(void **state)
@@ -355,6 +377,7 @@ int main(void)
         cmocka_unit_test_setup(long_light_fields_are_bands_of_like_cost, set_up),
         cmocka_unit_test_setup(bands_last_as_long_as_beginning_does, set_up),
         cmocka_unit_test_setup(memory_limits_bands, set_up),
+        cmocka_unit_test_setup(memory_that_cannot_be_met_makes_few_tasks, set_up),
         cmocka_unit_test_setup(memory_divides_without_times, set_up),
         cmocka_unit_test_setup(what_cannot_be_in_bands_is_whole, set_up),
         cmocka_unit_test_setup(what_is_joined_keeps_states, set_up),

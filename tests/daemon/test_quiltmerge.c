@@ -1,7 +1,5 @@
 /* The program quiltmerge, with states that quiltrender made. */
-#include "tests/daemon/quiltrender.h"
-
-#include <jansson.h>
+#include "tests/daemon/states.h"
 
 #define SIZE "-o p.png --view-size 8x10 --views 3 --threads 2 --denoise off"
 
@@ -192,6 +190,33 @@ static void parts_that_do_not_belong_together_are_named(void **state)
     }
 }
 
+static void parts_of_another_release_are_refused(void **state)
+{
+    const qr_files *f = *state;
+    state_set(lf_test_path(f->folder, "low.s"), STATE_OF_0_1_7);
+    says(f, "top.s low.s -o x.s", 1,
+         "low.s: is of another job than top.s, which differs in the release of quiltd (\"0.1.7\", "
+         "not \"");
+    says(f, "low.s top.s -o x.s", 1, "the release of quiltd");
+    assert_false(qr_exists(f->folder, "x.s"));
+    state_set(lf_test_path(f->folder, "low.s"), STATE_OF_NOW);
+    says(f, "top.s low.s -o x.s", 0, "complete");
+    assert_int_equal(unlink(lf_test_path(f->folder, "x.s")), 0);
+}
+
+/* A job of a time that was stopped in the middle of a pass is sound, though it cannot be merged. */
+static void rows_of_a_timed_state_may_differ(void **state)
+{
+    const qr_files *f = *state;
+    renders(f, "--spp 4 --rows 4:9 --state twice.s");
+    says(f, "top.s twice.s -o timed.s --partial", 0, "not complete");
+    state_set(lf_test_path(f->folder, "timed.s"),
+              "{\"budget\": {\"seconds\": 1.0}, \"complete\": true}");
+    says(f, "timed.s -o x.s", 1, "row 0 has 6 passes, but row 4 has 12; give all rows the same");
+    state_set(lf_test_path(f->folder, "timed.s"), "{\"budget\": {\"passes\": 12}}");
+    says(f, "timed.s -o x.s", 1, "is damaged: its head and its film differ about being complete");
+}
+
 static void mistakes_of_callers_are_one_line(void **state)
 {
     const qr_files *f = *state;
@@ -263,6 +288,8 @@ int main(void)
         cmocka_unit_test(streams_become_a_state_of_all_their_samples),
         cmocka_unit_test(with_partial_quiltrender_renders_the_rest),
         cmocka_unit_test(parts_that_do_not_belong_together_are_named),
+        cmocka_unit_test(parts_of_another_release_are_refused),
+        cmocka_unit_test(rows_of_a_timed_state_may_differ),
         cmocka_unit_test(mistakes_of_callers_are_one_line),
         cmocka_unit_test(copies_count_once_and_are_named),
         cmocka_unit_test(names_come_from_a_list_and_need_few_descriptors),

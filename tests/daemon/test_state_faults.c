@@ -155,6 +155,26 @@ static void a_run_that_is_behind_spoils_nothing(void **state)
                          lf_test_path(f->folder, "b_qs3x2a0.75.png"));
 }
 
+/* One for more samples of the same image, which is done before this one. */
+static void a_complete_run_does_not_replace_a_larger_one(void **state)
+{
+    const qr_files *f = *state;
+    char line[4 * PATH_MAX], path[PATH_MAX], larger[PATH_MAX];
+    snprintf(path, sizeof path, "%s/small.lfstate", f->folder);
+    snprintf(larger, sizeof larger, "%s/larger.lfstate", f->folder);
+    qr_succeed("%s -o %s/once.png --spp 2 " SIZE, f->scene, f->folder);
+    qr_succeed("%s -o %s/l.png --spp 6 --state %s " SIZE, f->scene, f->folder, larger);
+    snprintf(line, sizeof line, "quiltrender %s -o %s/c.png --spp 2 --threads 1 --state %s " SIZE,
+             f->scene, f->folder, path);
+    saves.replace_at = 3;
+    saves.another = larger;
+    assert_int_equal(state_run(line, &saves.cancel, &saves.paused), LF_OK);
+    assert_int_equal(saves.n_saved, 3);
+    assert_int_equal(passes_of(path), 6 * VIEWS);
+    qr_assert_same_files(lf_test_path(f->folder, "once_qs3x2a0.75.png"),
+                         lf_test_path(f->folder, "c_qs3x2a0.75.png"));
+}
+
 /* Both are stopped again and again. */
 static void two_writers_of_one_state_do_no_harm(void **state)
 {
@@ -249,6 +269,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_killed_job_goes_on_from_its_last_save, set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(a_run_that_is_behind_spoils_nothing, set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_complete_run_does_not_replace_a_larger_one, set_up,
+                                        qr_tear_down),
         cmocka_unit_test_setup_teardown(two_writers_of_one_state_do_no_harm, set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_second_signal_does_not_end_a_job_that_saves, set_up,
                                         qr_tear_down),

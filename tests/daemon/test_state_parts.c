@@ -137,6 +137,7 @@ static void what_is_no_part_is_one_line(void **state)
         {"--stream 65536 --state %s/n", "--stream", 2},
         {"--stream -1 --state %s/n", "--stream", 2},
         {"--rows 0:4 --time 1 --state %s/n", "--rows: cannot be combined with --time", 2},
+        {"--stream 4 --time 1 --state %s/n", "--stream: cannot be combined with --time", 2},
         {"--rows 0:4 --target-error 1 --state %s/n", "cannot be combined with --target-error", 2},
         {"--stream 4 --target-error 1 --state %s/n", "cannot be combined with --target-error", 2},
         {"--rows 0:4 --stats - --state %s/n", "--rows: cannot be combined with --stats", 2},
@@ -254,6 +255,100 @@ static void a_state_of_another_light_field_is_refused(void **state)
     qr_assert_fails(&o, 1, "the frame (2, not nothing)");
 }
 
+static bool is_there(const qr_files *f, const char *name)
+{
+    return qr_exists(f->folder, name);
+}
+
+/* A run may be killed after it has written a frame, before it removes the states. */
+static void states_of_kept_frames_are_removed(void **state)
+{
+    const qr_files *f = *state;
+    const char *turn = "--turntable 3 --spp 1 --quilt 3x2 " SIZE;
+    qr_outcome o;
+    qr_succeed("%s -o %s/t.png %s", f->scene, f->folder, turn);
+    qr_succeed("%s -o %s/t.png --rows 0:9 --state %s/s.lfstate %s", f->scene, f->folder, f->folder,
+               turn);
+    lf_test_write(f->folder, "s_0003.lfstate", "a text of mine");
+    assert_int_equal(unlink(lf_test_path(f->folder, "t_0002_qs3x2a0.75.png")), 0);
+    assert_true(is_there(f, "s_0001.lfstate") && is_there(f, "s_0002.lfstate"));
+    qr_run(&o, "%s -o %s/t.png --state %s/s.lfstate %s", f->scene, f->folder, f->folder, turn);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "2 of 3 frames exist and are kept"));
+    assert_true(is_there(f, "t_0002_qs3x2a0.75.png"));
+    assert_false(is_there(f, "s_0001.lfstate") || is_there(f, "s_0002.lfstate"));
+    assert_true(is_there(f, "s_0003.lfstate"));
+}
+
+/* Frames 2 and 3 share the part that begins in frame 3. */
+static void shared_parts_stay_while_a_frame_lacks_them(void **state)
+{
+    const qr_files *f = *state;
+    const char *how = "--frames 2:3 --spp 2 --quilt 3x1 --view-size 8x6 --seed 5";
+    char scene[PATH_MAX], line[4 * PATH_MAX];
+    lf_cancel cancel = 1, paused = 1;
+    snprintf(scene, sizeof scene, "%s",
+             lf_test_write(
+                 f->folder, "puff.json",
+                 lf_test_scene_patched("moving-puff", "{'camera': {'shutter': 2, 'views': 3}}")));
+    qr_succeed("%s -o %s/p.mp4 --state %s/p.lfstate %s", scene, f->folder, f->folder, how);
+    qr_succeed("%s -o %s/p.png %s", scene, f->folder, how);
+    assert_int_equal(unlink(lf_test_path(f->folder, "p_0003_qs3x1a0.75.png")), 0);
+    assert_true(is_there(f, "p_0002_0000.lfstate"));
+    snprintf(line, sizeof line, "quiltrender %s -o %s/p.png --state %s/p.lfstate %s", scene,
+             f->folder, f->folder, how);
+    assert_int_equal(state_run(line, &cancel, &paused), LF_E_CANCELLED);
+    assert_false(is_there(f, "p_0002_0000.lfstate"));
+    assert_true(is_there(f, "p_0003_0000.lfstate") && is_there(f, "p_0004_0000.lfstate"));
+    qr_succeed("%s -o %s/p.png --state %s/p.lfstate %s", scene, f->folder, f->folder, how);
+    assert_false(is_there(f, "p_0003_0000.lfstate") || is_there(f, "p_0004_0000.lfstate"));
+}
+
+static void what_a_sequence_cannot_continue_is_one_line(void **state)
+{
+    static const struct {
+        const char *options, *words;
+    } wrong[] = {
+        {"--overwrite", "--overwrite: cannot be combined with --state, which continues after "
+                        "finished frames; remove the old files first"},
+        {"--time 1", "--time: cannot be combined with --state if frames share parts of their "
+                     "shutters; give --spp or --passes"},
+        {"--rows 0:1", "--rows: cannot be combined with shutters that frames share"},
+    };
+    const qr_files *f = *state;
+    char scene[PATH_MAX];
+    qr_outcome o;
+    snprintf(scene, sizeof scene, "%s",
+             lf_test_write(f->folder, "puff.json",
+                           lf_test_scene_patched("moving-puff", "{'camera': {'shutter': 2}}")));
+    const int before = qr_count_files(f->folder);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        qr_run(&o, "%s -o %s/x.mp4 --frames 1:2 --views 4 --view-size 8x6 --state %s/n %s", scene,
+               f->folder, f->folder, wrong[i].options);
+        qr_assert_fails(&o, 2, wrong[i].words);
+    }
+    qr_run(&o, "%s -o %s/x.png --turntable 2 --overwrite --plan", f->scene, f->folder);
+    qr_assert_fails(&o, 2, "--overwrite: cannot be combined with --plan, which continues");
+    assert_int_equal(qr_count_files(f->folder), before);
+}
+
+/* Releases may draw other random numbers. */
+static void a_state_of_another_release_is_refused(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/old.lfstate", f->folder);
+    qr_succeed("%s -o %s/r.png --spp 2 --state %s " SIZE, f->scene, f->folder, path);
+    state_set(path, STATE_OF_0_1_7);
+    for (int spp = 2; spp <= 4; spp += 2) { /* complete, and to be continued */
+        qr_run(&o, "%s -o %s/r.png --spp %d --state %s " SIZE, f->scene, f->folder, spp, path);
+        qr_assert_fails(&o, 1, "which differs in the release of quiltd (\"0.1.7\", not \"");
+    }
+    state_set(path, STATE_OF_NOW);
+    qr_succeed("%s -o %s/r.png --spp 4 --state %s " SIZE, f->scene, f->folder, path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -264,6 +359,13 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_task_of_one_light_field_makes_the_state_of_the_whole_job,
                                         qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_state_of_another_light_field_is_refused, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_state_of_another_release_is_refused, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(states_of_kept_frames_are_removed, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(shared_parts_stay_while_a_frame_lacks_them, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(what_a_sequence_cannot_continue_is_one_line, qr_set_up,
                                         qr_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

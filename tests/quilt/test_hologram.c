@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <lcms2.h>
 #include <tiffio.h>
 
 #include "base/alloc.h"
@@ -201,7 +202,7 @@ static lf_status write_plate(const lf_plate *plate, const char *folder, const fi
     lf_status status = lf_plate_begin(plate, folder, facts, false, err);
     assert_non_null(samples);
     for (int task = lf_plate_tasks(plate) - 1; task >= 0 && status == LF_OK; task--) {
-        assert_false(lf_plate_has_task(plate, folder, task));
+        assert_false(lf_plate_has_task(plate, folder, facts, task));
         for (int i = 0; i < n * plate->height * plate->width; i++) {
             const lf_plate_sample s = {lf_plate_task_row(plate, task),
                                        lf_plate_task_first(plate, task) +
@@ -211,8 +212,8 @@ static lf_status write_plate(const lf_plate *plate, const char *folder, const fi
             for (int b = 0; b < bytes; b++)
                 samples[i * bytes + b] = byte_of(*at(&want, p.hy, p.hx, p.v, p.u), b);
         }
-        status = lf_plate_write_task(plate, folder, task, samples, &plain_run, err);
-        assert_true(status != LF_OK || lf_plate_has_task(plate, folder, task));
+        status = lf_plate_write_task(plate, folder, facts, task, samples, &plain_run, err);
+        assert_true(status != LF_OK || lf_plate_has_task(plate, folder, facts, task));
     }
     if (status == LF_OK)
         status = lf_plate_finish(plate, folder, facts, &plain_run, err);
@@ -356,7 +357,8 @@ static void one_row_of_directions_has_plain_names(void **state)
             assert_int_equal(image.data[3 * k], byte_of(*at(&meaning, k / 5, k % 5, 0, u), 0));
         lf_image8_finish(&image);
     }
-    assert_int_not_equal(access(lf_test_path(path, "rows"), F_OK), 0);
+    assert_int_equal(access(lf_test_path(path, "rows/r002.json"), F_OK), 0);
+    assert_int_not_equal(access(lf_test_path(path, "rows/r000.raw"), F_OK), 0);
     plate.form = LF_PLATE_RAW;
     snprintf(path, sizeof path, "%s/row_raw", folder);
     lf_assert_ok(write_plate(&plate, path, &meaning, &err), &err);
@@ -441,6 +443,63 @@ static void halfs_are_rounded_to_nearest(void **state)
     assert_int_equal(lf_plate_half(1e30F), 0x7bff);
     assert_int_equal(lf_plate_half(-INFINITY), 0xfbff);
     assert_int_equal(lf_plate_half(NAN), 0);
+}
+
+/* The middle of the codes is 0.214 of the light in sRGB, and half of it in linear grey. */
+static void check_profile(const void *bytes, uint32_t size, bool is_grey)
+{
+    const uint16_t in[3] = {32768, 32768, 32768};
+    double xyz[3] = {0};
+    cmsHPROFILE from = cmsOpenProfileFromMem(bytes, size), to = cmsCreateXYZProfile();
+    assert_non_null(from);
+    assert_int_equal(cmsGetColorSpace(from), is_grey ? cmsSigGrayData : cmsSigRgbData);
+    cmsHTRANSFORM way =
+        cmsCreateTransform(from, is_grey ? TYPE_GRAY_16 : TYPE_RGB_16, to, TYPE_XYZ_DBL,
+                           INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOOPTIMIZE);
+    assert_non_null(way);
+    cmsDoTransform(way, in, xyz, 1);
+    lf_assert_close(xyz[1], is_grey ? 0.5 : 0.2140, 0.005, 0);
+    cmsDeleteTransform(way);
+    cmsCloseProfile(to);
+    cmsCloseProfile(from);
+}
+
+/* Resolution, and what codes mean. */
+static void tiffs_say_size_and_colour(void **state)
+{
+    const char *folder = *state;
+    const field cells = of_cells();
+    lf_error err = {0};
+    char path[PATH_MAX];
+    for (int i = 0; i < 8; i++) {
+        const bool is_view = i & 1, is_grey = i & 2, is_known = i & 4;
+        lf_plate plate = plate_of(true, "");
+        plate.form = is_view ? LF_PLATE_VIEWS : LF_PLATE_HOGELS;
+        plate.format = LF_PLATE_TIFF;
+        plate.is_grey = is_grey;
+        plate.per_metre[0] = is_known ? 15748 : 0;
+        plate.per_metre[1] = is_known ? 16000 : 0;
+        snprintf(path, sizeof path, "%s/says_%d", folder, i);
+        lf_assert_ok(write_plate(&plate, path, &cells, &err), &err);
+        TIFF *tiff = TIFFOpen(is_view ? lf_test_path(path, "views/r003/c0004.tif")
+                                      : hogel_name(path, 1, 2, "tif"),
+                              "r");
+        float across = 0, down = 0;
+        uint16_t unit = 0;
+        uint32_t size = 0;
+        void *bytes = NULL;
+        assert_non_null(tiff);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &across), 1);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &down), 1);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_RESOLUTIONUNIT, &unit), 1);
+        const bool has_size = is_known && is_view; /* pixels of hogels are directions */
+        assert_int_equal(unit, has_size ? RESUNIT_CENTIMETER : RESUNIT_NONE);
+        lf_assert_close((double)across, has_size ? 157.48 : 1, 1e-6, 0);
+        lf_assert_close((double)down, has_size ? 160 : 1, 1e-6, 0);
+        assert_int_equal(TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &bytes), 1);
+        check_profile(bytes, size, is_grey);
+        TIFFClose(tiff);
+    }
 }
 
 /* 16 bits hold sRGB codes, and grey is linear luminance. */
@@ -546,12 +605,12 @@ static void damaged_rows_are_told(void **state)
     assert_true(fd >= 0);
     const off_t whole = lseek(fd, 0, SEEK_END);
     assert_int_equal(ftruncate(fd, whole - 1), 0);
-    assert_false(lf_plate_has_task(&plate, path, 1));
+    assert_false(lf_plate_has_task(&plate, path, facts, 1));
     assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_FORMAT);
     assert_int_equal(ftruncate(fd, whole), 0);
-    assert_true(lf_plate_has_task(&plate, path, 1));
+    assert_true(lf_plate_has_task(&plate, path, facts, 1));
     assert_int_equal(pwrite(fd, "x", 1, 20), 1); /* another number of cameras */
-    assert_false(lf_plate_has_task(&plate, path, 1));
+    assert_false(lf_plate_has_task(&plate, path, facts, 1));
     assert_int_equal(lf_plate_finish(&plate, path, facts, &plain_run, &err), LF_E_FORMAT);
     assert_non_null(strstr(err.where, "rows/r001.raw"));
     assert_int_equal(ftruncate(fd, 100), 0);
@@ -611,6 +670,7 @@ int main(void)
         cmocka_unit_test(one_row_of_directions_has_plain_names),
         cmocka_unit_test(formats_keep_every_bit),
         cmocka_unit_test(halfs_are_rounded_to_nearest),
+        cmocka_unit_test(tiffs_say_size_and_colour),
         cmocka_unit_test(samples_are_encoded_as_the_page_says),
         cmocka_unit_test(the_manifest_names_every_file),
         cmocka_unit_test(rows_of_another_plate_are_refused),

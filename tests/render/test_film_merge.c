@@ -1,5 +1,5 @@
 /* Films of many files that become one. The oracles are one film that has everything, plain sums in
- * long double, and lf_film_add. */
+ * long double, and lf_film_mix. */
 #include "tests/render/merged.h"
 
 #include <float.h>
@@ -70,6 +70,58 @@ static void what_files_hold_and_lack_is_told(void **state)
     assert_true(lf_merging_gap(m, 4, &first, &last) && first == 5 && last == 5);
     assert_false(lf_merging_gap(m, 6, &first, &last));
     lf_merging_destroy(m);
+}
+
+/* Visits of that many passes each to some rows, in that order of halves. */
+static void visit_by(lf_film *film, int from, int end, int visits, int passes)
+{
+    lf_film_sums sums;
+    int index;
+    lf_assert_ok(lf_film_sums_init(&sums, &film->layout), NULL);
+    lf_assert_ok(lf_film_stream_at(film, 5, 1, &index), NULL);
+    for (int row = from; row < end; row++)
+        for (int v = 0; v < visits; v++) {
+            films_fill(&sums, &film->layout, (uint64_t)v);
+            lf_film_merge(film, index, row, v % 2, &sums, passes, (uint64_t)v);
+        }
+    lf_film_sums_finish(&sums);
+}
+
+/* As of releases that divide passes into visits differently. */
+static void rows_of_a_stream_in_other_visits_are_refused(void **state)
+{
+    static const struct {
+        int visits, passes;
+        bool fits;
+    } lower[] = {{4, 6, true}, {2, 12, false}, {8, 3, false}, {8, 6, true}, {6, 4, false}};
+    const lf_film_layout layout = films_layout(VIEWS, WIDTH, HEIGHT, 35);
+    for (size_t i = 0; i < sizeof lower / sizeof lower[0]; i++) {
+        lf_film upper = films_empty(&layout), low = films_empty(&layout);
+        visit_by(&upper, 0, 2, 4, 6);
+        visit_by(&low, 2, HEIGHT, lower[i].visits, lower[i].passes);
+        films_write(&upper, nth(*state, 0));
+        films_write(&low, nth(*state, 1));
+        if (lower[i].fits)
+            assert_merged(*state, NULL, 2);
+        else
+            assert_refused(*state, 2, LF_E_STATE, "one is of another job; make both again");
+        lf_film_finish(&upper);
+        lf_film_finish(&low);
+    }
+}
+
+/* Rows of other passes above them hide nothing. */
+static void visits_are_compared_where_parts_meet(void **state)
+{
+    const lf_film_layout layout = films_layout(VIEWS, WIDTH, HEIGHT, 35);
+    static const int visits[3][2] = {{2, 3}, {4, 6}, {2, 12}};
+    for (int i = 0; i < 3; i++) {
+        lf_film film = films_empty(&layout);
+        visit_by(&film, 2 * i, 2 * i + 2, visits[i][0], visits[i][1]);
+        films_write(&film, nth(*state, i));
+        lf_film_finish(&film);
+    }
+    assert_refused(*state, 3, LF_E_STATE, "has row 4 in 2 visits, but ");
 }
 
 /* ----------------------------------------------------------------------------------- streams -- */
@@ -275,7 +327,7 @@ static void streams_are_the_plain_sums_rounded_once(void **state)
     }
 }
 
-static void two_films_are_what_lf_film_add_makes_of_them(void **state)
+static void two_films_are_what_lf_film_mix_makes_of_them(void **state)
 {
     for (int flags = 0; flags < 128; flags++) {
         const lf_film_layout layout = films_layout(VIEWS, WIDTH, HEIGHT, flags);
@@ -285,7 +337,7 @@ static void two_films_are_what_lf_film_add_makes_of_them(void **state)
         films_write(&films[4], nth(*state, 1));
         assert_merged(*state, NULL, 2);
         lf_film sum = merged(*state);
-        lf_assert_ok(lf_film_add(&films[0], &films[4], NULL), NULL);
+        lf_assert_ok(lf_film_mix(&films[0], &films[4], NULL), NULL);
         for (int row = 0; row < HEIGHT; row++) {
             for (int h = 0; h < 2; h++) {
                 const lf_film_half a = lf_film_at(&sum, row, h), b = lf_film_at(&films[0], row, h);
@@ -303,6 +355,29 @@ static void two_films_are_what_lf_film_add_makes_of_them(void **state)
         lf_film_finish(&sum);
         finish_films(films);
     }
+}
+
+/* Of streams whose visits of half 0 are all coarse: it has the means of half 1, as in one film. */
+static void a_half_that_knows_nothing_borrows(void **state)
+{
+    const lf_film_layout layout = films_layout(VIEWS, WIDTH, HEIGHT, 34);
+    const size_t n = (size_t)VIEWS * WIDTH;
+    for (int i = 0; i < 2; i++) {
+        lf_film film = films_empty(&layout);
+        films_visit(&film, 8, (uint32_t)i, 0, HEIGHT, 1, 2, true);
+        films_write(&film, nth(*state, i));
+        lf_film_finish(&film);
+    }
+    assert_merged(*state, NULL, 2);
+    lf_film sum = merged(*state);
+    for (int row = 0; row < HEIGHT; row++) {
+        const lf_film_half to = lf_film_at(&sum, row, 0), from = lf_film_at(&sum, row, 1);
+        assert_true(sum.rows[row].coarse[0] == sum.rows[row].n[0] && sum.rows[row].n[0] == 2.0);
+        assert_true(from.q[0] > 0.0f || from.q[1] > 0.0f);
+        assert_memory_equal(to.q, from.q, n * sizeof *to.q);
+        assert_memory_equal(to.feature, from.feature, n * sizeof *to.feature);
+    }
+    lf_film_finish(&sum);
 }
 
 static void any_order_gives_the_same_bytes(void **state)
@@ -407,7 +482,10 @@ int main(void)
         lf_test_in_folder(bands_are_the_bytes_of_one_film),
         lf_test_in_folder(what_files_hold_and_lack_is_told),
         lf_test_in_folder(streams_are_the_plain_sums_rounded_once),
-        lf_test_in_folder(two_films_are_what_lf_film_add_makes_of_them),
+        lf_test_in_folder(rows_of_a_stream_in_other_visits_are_refused),
+        lf_test_in_folder(visits_are_compared_where_parts_meet),
+        lf_test_in_folder(a_half_that_knows_nothing_borrows),
+        lf_test_in_folder(two_films_are_what_lf_film_mix_makes_of_them),
         lf_test_in_folder(any_order_gives_the_same_bytes),
         lf_test_in_folder(rounding_has_no_bias),
         lf_test_in_folder(constants_stay_exact),
