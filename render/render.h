@@ -283,7 +283,7 @@ typedef void (*lf_row_fn)(void *context, int row, int worker);
 
 /* The part of the image that passes render: rows first_row, first_row + row_step, … below end_row,
  * with one of 2^32 random streams of the seed. All zero: all rows, stream 0. Rows are independent:
- * a film merged from parts with different rows (lf_renderer_add) is bitwise the film of one
+ * a film merged from parts with different rows (film_merge.h) is bitwise the film of one
  * renderer after the same calls. Streams of one row add up to the same sums except for rounding.
  *
  * There are three exceptions. Cameras listed one by one share paths among the rows of a
@@ -610,12 +610,6 @@ LF_NODISCARD lf_status lf_state_look(int fd, lf_state_id *out, lf_error *err);
 /* Counts the rows with visits in a state file, from its start, without reading their sums. Errors
  * as of lf_state_look; also LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_state_rows(int fd, int *out_rows, lf_error *err);
-/* Adds the saved state of another renderer of the same image. Rows that only one of them has are
- * copied; sums of other rows are added, half by half. The order of addition does not change any
- * bit. Sums that are not floats are rounded at random, without bias. Errors as of
- * lf_renderer_restore; also LF_E_STATE if both have visits of the same half of a row by the same
- * stream. */
-LF_NODISCARD lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err);
 /* Adds what another renderer has accumulated of the same views in another part of the shutter. Each
  * part counts with its share of the samples. from is unchanged; neither renderer may be rendering.
  * LF_E_STATE, with no change: their films store different data (other views, material kinds or

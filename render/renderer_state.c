@@ -173,16 +173,6 @@ lf_status lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err)
     return LF_OK;
 }
 
-lf_status lf_renderer_add(lf_renderer *renderer, int fd, lf_error *err)
-{
-    lf_film other = {0};
-    lf_status status = lf_film_read(fd, &renderer->film, &other, err);
-    if (status == LF_OK)
-        status = lf_film_add(&renderer->film, &other, err);
-    lf_film_finish(&other);
-    return status;
-}
-
 lf_status lf_renderer_mix(lf_renderer *renderer, const lf_renderer *from, lf_error *err)
 {
     return lf_film_mix(&renderer->film, &from->film, err);

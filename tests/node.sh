@@ -32,7 +32,7 @@ report "the package has a program" "$([ ${#programs[@]} -ge 1 ] || cat "$src/deb
 # Outside an image, where a scheduler is, quiltfarm has to run without libraries.
 if [ -e "$("${CXX:-g++}" -print-file-name=libjansson.a 2> /dev/null)" ]; then
     alone=$top/quiltfarm
-    report "quiltfarm can be one file" "$("${CXX:-g++}" -static -o "$alone" "$out"/daemon/tools/quiltfarm.c.o "$out"/lib{farm,engine,base}.a -ljansson -lm 2>&1 | tail -n 5
+    report "quiltfarm can be one file" "$("${CXX:-g++}" -static -o "$alone" "$out"/daemon/tools/quiltfarm.c.o "$out"/lib{farm,engine,base}.a -ljansson -lnettle -lm 2>&1 | tail -n 5
         [ -z "$(libraries "$alone")" ] || echo "it has libraries"
         "$alone" --version > /dev/null 2>&1 || echo "it does not start")"
 else

@@ -8,10 +8,13 @@
 #include "daemon/tools/plan_process.h"
 #include "daemon/tools/rendering_shared.h"
 
-/* Paths rendered to estimate the time, in at least LEAST_ROWS image rows if there are as many. */
+/* Paths rendered to estimate the time, in at least LEAST_ROWS image rows if there are as many: half
+ * of them if light fields share the paths. */
 #define PILOT_PATHS 6e5
 #define LEAST_ROWS 16
 #define MOST_ROWS 64
+/* Rows of a camera grid that are measured: the scene looks different from each. */
+#define MEASURED_CAMERA_ROWS 3
 /* A denoised image depends on the rows around: strips of as many rows, and the least passes that
  * show how visits grow. */
 #define STRIP_ROWS 8
@@ -25,7 +28,7 @@
 static void choose_passes(const lf_plan *plan, const lf_plan_pilot *p, bool features,
                           int64_t out[2])
 {
-    const double affordable = PILOT_PATHS / ((double)p->n_rows * plan->width);
+    const double affordable = PILOT_PATHS / p->n_fields / ((double)p->n_rows * plan->width);
     const int64_t least = features ? LEAST_DENOISED_PASSES : LEAST_PASSES,
                   most = affordable > (double)least ? (int64_t)affordable : least;
     out[0] = plan->passes;
@@ -40,8 +43,10 @@ static void choose_passes(const lf_plan *plan, const lf_plan_pilot *p, bool feat
 static void choose_rows(const lf_rendering *r, const lf_plan *plan, lf_plan_pilot *p)
 {
     const int threads = lf_pool_threads(r->pool), height = plan->height,
-              least = r->settings.features ? LEAST_STRIPS * STRIP_ROWS : LEAST_ROWS;
-    const double fit = PILOT_PATHS / ((double)plan->passes * plan->width);
+              least = r->settings.features ? LEAST_STRIPS * STRIP_ROWS
+                      : p->n_fields > 1    ? LEAST_ROWS / 2
+                                           : LEAST_ROWS;
+    const double fit = PILOT_PATHS / p->n_fields / ((double)plan->passes * plan->width);
     const int wanted = (int)fmin(fmax(fit, least), fmax(MOST_ROWS, least));
     p->strip = r->settings.features ? STRIP_ROWS : 1;
     p->strip = (p->strip + threads - 1) / threads * threads;
@@ -275,6 +280,15 @@ static lf_status take_frame(lf_rendering *r, int frame, const lf_camera *camera,
     return resolved;
 }
 
+/* Without the renderer of the light field before, whose fit would count as memory of a scene. */
+static double begin_anew(lf_rendering *r)
+{
+    lf_renderer_destroy(r->renderer);
+    r->renderer = NULL;
+    lf_trim();
+    return lf_process_cpu();
+}
+
 /* Frames may change: two of them are measured. */
 static lf_status add_frames(lf_rendering *r, lf_plan *plan, lf_plan_pilot *pilot, lf_error *err)
 {
@@ -283,10 +297,7 @@ static lf_status add_frames(lf_rendering *r, lf_plan *plan, lf_plan_pilot *pilot
               frames[] = {first + n / 4, plan->job.last - n / 4};
     lf_status status = LF_OK;
     for (int i = 0; i < (n > 0 ? 2 : 1) && status == LF_OK; i++) {
-        lf_renderer_destroy(r->renderer); /* with its fit, which would count as memory of a scene */
-        r->renderer = NULL;
-        lf_trim();
-        const double start = lf_process_cpu();
+        const double start = begin_anew(r);
         status = take_frame(r, frames[i], &camera, err);
         if (status == LF_OK)
             status = add_sample(r, plan, frames[i], start, pilot, err);
@@ -294,18 +305,38 @@ static lf_status add_frames(lf_rendering *r, lf_plan *plan, lf_plan_pilot *pilot
     return status;
 }
 
+/* Rows of a camera grid, each in the middle of its part of them. start: as in add_sample. */
+static lf_status add_camera_rows(lf_rendering *r, lf_plan *plan, double start, lf_plan_pilot *pilot,
+                                 lf_error *err)
+{
+    const int first = plan->job.first, n = plan->job.last - first + 1,
+              fields = n < MEASURED_CAMERA_ROWS ? 1 : MEASURED_CAMERA_ROWS;
+    lf_status status = LF_OK;
+    pilot->n_fields = fields;
+    for (int i = 0; i < fields && status == LF_OK; i++) {
+        r->sequence.frame = first + (2 * i + 1) * n / (2 * fields);
+        start = i > 0 ? begin_anew(r) : start;
+        status = lf_rendering_resolve(r, err);
+        if (status == LF_OK)
+            status = add_sample(r, plan, r->sequence.frame, start, pilot, err);
+    }
+    return status;
+}
+
 lf_status lf_plan_measure(lf_rendering *r, lf_plan *plan, lf_error *err)
 {
     lf_plan_model *m = &plan->model;
-    lf_plan_pilot pilot = {0};
+    lf_plan_pilot pilot = {.n_fields = 1};
     const double start = lf_process_cpu();
-    const bool moves = r->sequence.on && !r->arguments->frames.of_rows;
+    const bool of_rows = r->arguments->frames.of_rows;
     m->height = plan->height;
     m->load_cpu = start;
     m->loading = fmax(lf_process_peak(), lf_process_child_peak());
     lf_status status =
-        moves ? add_frames(r, plan, &pilot, err)
-              : add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), start, &pilot, err);
+        of_rows ? add_camera_rows(r, plan, start, &pilot, err)
+        : r->sequence.on
+            ? add_frames(r, plan, &pilot, err)
+            : add_sample(r, plan, 0.5 * (plan->job.first + plan->job.last), start, &pilot, err);
     if (status != LF_OK)
         return status;
     add_sums(r, plan);

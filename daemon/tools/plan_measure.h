@@ -9,6 +9,7 @@ typedef struct lf_plan_pilot {
     int n, strip; /* n 0: nothing was rendered */
     int n_rows;   /* in all strips */
     int height;   /* of the image */
+    int n_fields; /* light fields that share the work of the pilot */
 } lf_plan_pilot;
 
 /* The rows of a strip: returns the first, and the row after the last. */

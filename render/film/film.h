@@ -163,9 +163,9 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout);
 /* Whether b can be added to film: the layouts are equal, and the skies bitwise equal (the sums
  * depend on the sky). */
 bool lf_film_alike(const lf_film *film, const lf_film *b);
-/* The reason why b cannot be added to film, as text after "it is": another image or layout, or a
- * sky that is not bitwise equal (the sums depend on the sky). NULL: it can. Reads only these fields
- * of b. */
+/* The reason why b is no film of the same image, as text after "it is": another image or layout, or
+ * a sky that is not bitwise equal (the sums depend on the sky). NULL: it is one. Reads only these
+ * fields of b. */
 const char *lf_film_refusal(const lf_film *film, const lf_film *b);
 /* Removes all visits. Touches only the row headers. */
 void lf_film_clear(lf_film *film);
@@ -176,15 +176,12 @@ LF_NODISCARD lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t 
                                          int *out_index);
 /* NULL: no such stream. */
 const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, uint32_t number);
-/* Adds `from` to film. Rows that only one film has visited are copied; sums of other rows are
- * added, half by half, and means are weighted by the counts. Exact if the result is a float;
- * otherwise rounded up or down at random, without bias and independent of the order of the films.
- * LF_E_STATE, with no change: lf_film_refusal, a half of a row with visits of the same random
- * stream in both, more visits or samples of a row than possible, more than LF_FILM_MAX_STREAMS.
- * LF_E_NOMEM; then film may have additional streams without visits. */
-LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err);
-/* lf_film_add for films of any images with lf_film_alike: the result is the mean image, weighted by
- * samples. LF_E_STATE also if they are not alike. */
+/* Adds `from` to film, of the same views (lf_film_alike): the result is the mean image, weighted by
+ * samples. Rows that only one film has visited are copied; others are added (film_sum.h). Exact if
+ * the result is a float; otherwise rounded up or down at random, without bias. LF_E_STATE, with no
+ * change: they are not alike, a half of a row has visits of the same random stream in both, more
+ * visits or samples of a row than possible, more than LF_FILM_MAX_STREAMS. LF_E_NOMEM; then film
+ * may have additional streams without visits. */
 LF_NODISCARD lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err);
 /* Size of the used memory of a row: half 0, half 1, known light, albedo, 32 bits per number. */
 size_t lf_film_used_bytes(const lf_film_layout *layout);

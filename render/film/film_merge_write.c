@@ -137,7 +137,7 @@ static lf_status write_row(lf_merging *m, const lf_merging_block *block, int row
         lf_status status = lf_outfile_write(file, head, sizeof *block->heads, err);
         return status == LF_OK ? lf_outfile_write(file, bulk, n, err) : status;
     }
-    /* as in lf_film_add */
+    /* as in lf_film_mix */
     const uint64_t key = lf_hash64(m->key[row], (uint64_t)row);
     if (!lf_film_sum_put(&block->sums[at], key, &block->film, at))
         return lf_error_set(err, LF_E_STATE, "merge", "row %d of the sum has too many samples",

@@ -1,8 +1,8 @@
 /* The sum of one row over many films, in double precision, rounded once; private to render/film/.
  *
- * As lf_film_add for two films: N, W and W' are sums; q, B, features and albedo are means, weighted
- * by the counts of the visits that computed them (and q); half by half. The additions are made in
- * the order of the calls. Constants and sums that are floats stay exact. Thread: one at a time. */
+ * N, W and W' are sums; q, B, features and albedo are means, weighted by the counts of the visits
+ * that computed them (and q); half by half. The additions are made in the order of the calls.
+ * Constants and sums that are floats stay exact. Thread: one at a time. */
 #ifndef LF_RENDER_FILM_SUM_H
 #define LF_RENDER_FILM_SUM_H
 

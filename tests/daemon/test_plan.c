@@ -153,6 +153,30 @@ static void a_plan_notes_the_files_that_it_has_read(void **state)
     json_decref(p);
 }
 
+/* The highest row of cameras, the last, meets a fog with many collisions, the lowest nothing: the
+ * work of their tasks differs by more than ten, which the plan must tell to a factor of two. */
+static void rows_that_see_less_take_less_time(void **state)
+{
+    const qr_files *f = *state;
+    const char *scene = lf_test_write(
+        f->folder, "high.json",
+        "{ \"quiltd\": 1, \"camera\": { \"position\": [0, 0, 3], \"target\": [0, 0, 0], "
+        "\"fov_y\": 30, \"views\": { \"grid\": { \"columns\": 3, \"rows\": 3, \"width\": 1, "
+        "\"height\": 20, \"window\": \"own\" } } }, \"volumes\": { \"fog\": { \"shape\": "
+        "\"sphere\", \"transform\": { \"translate\": [0, 10, 0] }, \"density\": 20, \"albedo\": "
+        "0.99 } }, \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 1 } } }\n");
+    json_t *p = plan("--plan --json --task-minutes 0 %s -o %s/r_%%d/ --spp 64 --camera-rows 0:2 "
+                     "--view-size 24x16",
+                     scene, f->folder);
+    double cpu[3];
+    assert_int_equal(count(p, "tasks"), 3);
+    for (size_t i = 0; i < 3; i++)
+        cpu[i] = json_number_value(json_object_get(item(p, "tasks", i), "cpu_seconds"));
+    if (!(cpu[2] > 2 * cpu[0]))
+        fail_msg("rows of cameras: %g, %g and %g s", cpu[0], cpu[1], cpu[2]);
+    json_decref(p);
+}
+
 /* Without a limit the job is one task, which names its light fields. */
 static void a_short_job_is_one_task(void **state)
 {
@@ -482,6 +506,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(rows_of_cameras_are_tasks, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_plan_notes_the_files_that_it_has_read, qr_set_up,
                                         qr_tear_down),
+        cmocka_unit_test_setup_teardown(rows_that_see_less_take_less_time, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(other_light_fields_stay_whole, qr_set_up, qr_tear_down),

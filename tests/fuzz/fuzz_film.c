@@ -101,11 +101,11 @@ static void add(lf_film *film, lf_film *same)
     bool visited = false, possible = has_double(film);
     for (int row = 0; row < film->height; row++)
         visited = visited || lf_film_visited(film->rows[row].visits);
-    lf_fuzz_require(lf_film_add(film, same, NULL) == (visited ? LF_E_STATE : LF_OK));
+    lf_fuzz_require(lf_film_mix(film, same, NULL) == (visited ? LF_E_STATE : LF_OK));
     if (film->n_streams != 1)
         return;
     same->streams[0].seed ^= 1;
-    lf_fuzz_require(lf_film_add(film, same, NULL) == (possible ? LF_OK : LF_E_STATE));
+    lf_fuzz_require(lf_film_mix(film, same, NULL) == (possible ? LF_OK : LF_E_STATE));
     lf_fuzz_require(film->n_streams == (possible ? 1 + same->n_streams : 1));
     check_counts(film);
     size_t size = write_film(film, bytes);

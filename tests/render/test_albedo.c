@@ -1,4 +1,5 @@
 /* The albedo that a film keeps of textured surfaces, and what the reconstruction makes of it. */
+#include "tests/render/added.h"
 #include "tests/render/reconstruct_testing.h"
 #include "tests/scene_file.h"
 
@@ -127,7 +128,7 @@ static void films_that_are_added_have_the_mean_of_both(void **state)
     lf_film_sums_finish(&sums);
     begin(&b, &sums, 2);
     visit(&b, &sums, 0, 0.2f, bright);
-    lf_assert_ok(lf_film_add(&a, &b, &err), &err);
+    lf_assert_ok(added_film(&a, &b, &err), &err);
     lf_albedo_unpack(lf_film_albedo_at(&a, 0)[0], out);
     for (int c = 0; c < N; c++)
         lf_assert_close((double)out[c], 0.75 * (double)dark[c] + 0.25 * (double)bright[c], 0.0,

@@ -14,6 +14,7 @@
 #include "render/scene/scene.h"
 #include "render/transport/path/track.h"
 #include "render/transport/sampler.h"
+#include "tests/render/added.h"
 #include "tests/render/arrays.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
@@ -324,7 +325,7 @@ static lf_status added(lf_scene *a, lf_scene *b)
         lf_assert_ok(lf_renderer_pass(r[i], &(lf_part){.stream = i + 1}, 1, NULL, NULL, NULL),
                      NULL);
     }
-    lf_status status = lf_film_add(&r[0]->film, &r[1]->film, NULL);
+    lf_status status = added_film(&r[0]->film, &r[1]->film, NULL);
     lf_renderer_destroy(r[0]);
     lf_renderer_destroy(r[1]);
     return status;

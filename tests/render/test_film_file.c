@@ -8,6 +8,7 @@
 
 #include "base/alloc.h"
 #include "render/film/film_file.h"
+#include "tests/render/added.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
@@ -137,7 +138,7 @@ static void a_picture_made_in_bands_is_that_of_one_run(void **state)
         for (int k = 0; k < 2; k++)
             render(half[k], &parts[i][k]);
         char *bytes = saved(&f, half[1], "half", &size);
-        lf_assert_ok(given(&f, half[0], lf_renderer_add, bytes, size, NULL), NULL);
+        lf_assert_ok(given(&f, half[0], added_state, bytes, size, NULL), NULL);
         assert_same_bytes(&f, one, half[0]);
         free(bytes);
         lf_renderer_destroy(one);
@@ -191,7 +192,7 @@ static void holes_of_added_films_are_filled(void **state)
         lf_part part = {.stream = i};
         lf_assert_ok(lf_renderer_passes(r, &part, 1, true, NULL, NULL, NULL), NULL);
         char *bytes = saved(&f, r, "film", &size);
-        lf_assert_ok(given(&f, sum, lf_renderer_add, bytes, size, NULL), NULL);
+        lf_assert_ok(given(&f, sum, added_state, bytes, size, NULL), NULL);
         free(bytes);
         lf_renderer_destroy(r);
     }
@@ -233,8 +234,8 @@ static void four_films_have_a_quarter_of_the_error_of_one(void **state)
         lf_assert_ok(lf_renderer_passes(r, &part, 2 * VIEWS, false, NULL, NULL, NULL), NULL);
         alone += rel_mse(r, truth) / FILMS;
         char *bytes = saved(&f, r, "film", &size);
-        lf_assert_ok(given(&f, sum, lf_renderer_add, bytes, size, NULL), NULL);
-        lf_assert_status(given(&f, sum, lf_renderer_add, bytes, size, NULL), LF_E_STATE, NULL);
+        lf_assert_ok(given(&f, sum, added_state, bytes, size, NULL), NULL);
+        lf_assert_status(given(&f, sum, added_state, bytes, size, NULL), LF_E_STATE, NULL);
         free(bytes);
         if (i < 3)
             lf_assert_ok(lf_renderer_passes(together, &part, 2 * VIEWS, false, NULL, NULL, NULL),
@@ -392,7 +393,7 @@ static void a_film_under_another_sky_is_refused(void **state)
         memcpy(film.sky, skies[i], sizeof film.sky);
         lf_assert_status(read_back(&f, &film, &like, &err), i == 0 ? LF_OK : LF_E_STATE, &err);
         assert_true(i == 0 || strstr(err.what, "with another sky"));
-        lf_assert_status(lf_film_add(&like, &film, &err), i == 0 ? LF_OK : LF_E_STATE, &err);
+        lf_assert_status(added_film(&like, &film, &err), i == 0 ? LF_OK : LF_E_STATE, &err);
         assert_true(i == 0 || strstr(err.what, "with another sky"));
         assert_memory_equal(like.sky, skies[0], sizeof like.sky);
     }

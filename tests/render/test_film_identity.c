@@ -8,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "render/import/scene/file_identity.h"
+#include "tests/render/added.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
@@ -85,7 +86,7 @@ static lf_renderer *render(lf_scene *scene, int max_depth, uint32_t stream)
 static lf_status added(lf_scene *a, int depth_a, lf_scene *b, int depth_b)
 {
     lf_renderer *r = render(a, depth_a, 1), *other = render(b, depth_b, 2);
-    lf_status status = lf_film_add(&r->film, &other->film, NULL);
+    lf_status status = added_film(&r->film, &other->film, NULL);
     lf_renderer_destroy(r);
     lf_renderer_destroy(other);
     return status;

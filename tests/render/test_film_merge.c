@@ -1,5 +1,5 @@
 /* Films of many files that become one. The oracles are one film that has everything, plain sums in
- * long double, and lf_film_add. */
+ * long double, and lf_film_mix. */
 #include "tests/render/merged.h"
 
 #include <float.h>
@@ -327,7 +327,7 @@ static void streams_are_the_plain_sums_rounded_once(void **state)
     }
 }
 
-static void two_films_are_what_lf_film_add_makes_of_them(void **state)
+static void two_films_are_what_lf_film_mix_makes_of_them(void **state)
 {
     for (int flags = 0; flags < 128; flags++) {
         const lf_film_layout layout = films_layout(VIEWS, WIDTH, HEIGHT, flags);
@@ -337,7 +337,7 @@ static void two_films_are_what_lf_film_add_makes_of_them(void **state)
         films_write(&films[4], nth(*state, 1));
         assert_merged(*state, NULL, 2);
         lf_film sum = merged(*state);
-        lf_assert_ok(lf_film_add(&films[0], &films[4], NULL), NULL);
+        lf_assert_ok(lf_film_mix(&films[0], &films[4], NULL), NULL);
         for (int row = 0; row < HEIGHT; row++) {
             for (int h = 0; h < 2; h++) {
                 const lf_film_half a = lf_film_at(&sum, row, h), b = lf_film_at(&films[0], row, h);
@@ -485,7 +485,7 @@ int main(void)
         lf_test_in_folder(rows_of_a_stream_in_other_visits_are_refused),
         lf_test_in_folder(visits_are_compared_where_parts_meet),
         lf_test_in_folder(a_half_that_knows_nothing_borrows),
-        lf_test_in_folder(two_films_are_what_lf_film_add_makes_of_them),
+        lf_test_in_folder(two_films_are_what_lf_film_mix_makes_of_them),
         lf_test_in_folder(any_order_gives_the_same_bytes),
         lf_test_in_folder(rounding_has_no_bias),
         lf_test_in_folder(constants_stay_exact),

@@ -10,6 +10,7 @@
 #include "base/paths.h"
 #include "render/scene/geometry.h"
 #include "tests/base/pictures.h"
+#include "tests/render/added.h"
 #include "tests/render/arrays.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
@@ -208,7 +209,7 @@ static lf_status added(lf_scene *a, lf_scene *b)
         lf_assert_ok(lf_renderer_pass(r[i], &(lf_part){.stream = i + 1}, 1, NULL, NULL, NULL),
                      NULL);
     }
-    lf_status status = lf_film_add(&r[0]->film, &r[1]->film, NULL);
+    lf_status status = added_film(&r[0]->film, &r[1]->film, NULL);
     lf_renderer_destroy(r[0]);
     lf_renderer_destroy(r[1]);
     lf_scene_unref(a);
