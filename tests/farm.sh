@@ -125,6 +125,10 @@ by_list() { # name, words of quiltrender
 }
 report "a small plate is one task, and has its manifest" "$(by_list one "${plate[@]}" -o one/; same one)"
 report "rows of a plate are made without it" "$(by_list rows "${plate[@]}" -o rows/ --camera-rows 0:1; ls rows/manifest.json 2> /dev/null; diff -rq single rows | grep -v '^Only in single')"
+sed 's/0.9/0.8/' plate.json > edited.json
+bin/quiltfarm plan edited.job --engine list --threads 1 -- edited.json "${plate[@]:1}" -o edited/ > edited.log 2>&1
+sed -i 's/0.8/0.7/' edited.json
+report "a scene that is edited after the plan is told" "$(sh edited.job/tasks 2> edited.log && echo 'it was rendered'; has_words edited.log 'edited.json: has changed since the job was planned'; ls edited 2> /dev/null)"
 if command -v ffmpeg > /dev/null; then
     film=("${frames[@]}" --frames 2:3)
     report "frames of a film are those of the command" "$("$out/quiltrender" "${film[@]}" -o film.mp4 2> film.log || cat film.log; by_list joined "${film[@]}" -o joined.mp4; cmp film_*.mp4 joined_*.mp4 2>&1)"

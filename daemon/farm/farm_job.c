@@ -509,8 +509,10 @@ lf_status lf_farm_job_open(const char *path, lf_farm_job *out, lf_error *err)
         return lf_error_set(err, LF_E_IO, path, "there is no such folder");
     lf_status status = lf_farm_job_read(out, "job.json", &out->json, err);
     if (status == LF_OK && !out->json)
-        return lf_error_set(err, LF_E_FORMAT, path,
-                            "is no job; make one with quiltfarm plan %s -- SCENE -o OUT", path);
+        return lf_error_set(
+            err, LF_E_FORMAT, path,
+            "is no job, because job.json is missing; pass a folder that quiltfarm plan "
+            "has made");
     const char *planned = json_string_value(json_object_get(out->json, "job")),
                *engine = json_string_value(json_object_get(out->json, "engine"));
     if (status == LF_OK)

@@ -337,7 +337,8 @@ static lf_status send_array(const lf_farm_job *job, const lf_farm_batch *batch, 
     const int first = number * a->limits.array * a->limits.stride;
     const int left = quotient_up(job->n_tasks - first, a->limits.stride);
     const int n = left < a->limits.array ? left : a->limits.array;
-    const int last = first + n * a->limits.stride - 1, n_arrays = a->limits.n_arrays;
+    const int last = first + n * a->limits.stride - 1,
+              n_arrays = a->limits.n_arrays > 0 ? a->limits.n_arrays : 1;
     const int range[2] = {first, last < job->n_tasks ? last : job->n_tasks - 1};
     lf_farm_words words = {0};
     char *list = index_list(job, batch->wanted, first, a->limits.stride, n);

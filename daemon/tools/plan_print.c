@@ -363,7 +363,7 @@ lf_status lf_plan_print_json(const lf_rendering *r, const lf_plan *plan, lf_erro
     if (status != LF_OK)
         return status;
     json_t *object = plan_json(r, plan);
-    if (!object || json_object_set_new(object, "inputs", inputs) != 0) {
+    if (json_object_set_new(object, "inputs", inputs) != 0) { /* of NULL, too */
         json_decref(object);
         object = NULL;
     }

@@ -141,7 +141,7 @@ static lf_status take_operands(int n, char *const operands[], lf_farm_command *c
         return lf_error_set(err, LF_E_ARG, (*out)->name, "takes no words after --");
     command->job = operands[1];
     command->steps = (*out)->kind == RUNS ? operands[2] : NULL;
-    return LF_OK;
+    return check_options(*out, command->options, err);
 }
 
 /* argv without what follows "--", which goes to command->words. */
@@ -169,8 +169,7 @@ static lf_status read_arguments(int argc, char *argv[], lf_farm_options *options
         status = lf_options_read(n, own, &rules, out_done, err);
     if (status != LF_OK || *out_done)
         return status;
-    status = take_operands(n - optind, own + optind, command, out, err);
-    return status == LF_OK ? check_options(*out, options, err) : status;
+    return take_operands(n - optind, own + optind, command, out, err);
 }
 
 int main(int argc, char *argv[])

@@ -361,7 +361,8 @@ static void mistakes_on_the_command_line_are_told(void **state)
     says(folder, "bin/quiltfarm plan job -- gone.json -o out", 1,
          "gone.json: there is no such file");
     says(folder, "bin/quiltfarm plan no/job -- scene.json -o out", 1, "cannot be made");
-    says(folder, "mkdir job; bin/quiltfarm status job", 1, "is no job; make one");
+    says(folder, "mkdir job; bin/quiltfarm status job", 1,
+         "is no job, because job.json is missing");
     says(folder, PLAN, 1, "exists; choose a new folder");
     says(folder, "rmdir job", 0, "");
     plan(folder);
