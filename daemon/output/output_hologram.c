@@ -383,7 +383,7 @@ json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *pl
                                       "farthest", shifts(depth->farthest, depth)));
     if (made && preset)
         json_object_set_new(made, "preset_note", json_string(preset->note));
-    if (made && find_hogels(options, settings, hogels))
+    if (made && preset && find_hogels(options, settings, hogels))
         put_hogels(preset, hogels, plate, made);
     if (made)
         json_object_set_new(made, "units",
