@@ -251,6 +251,11 @@ static void a_grid_in_one_output_is_joined(void **state)
     assert_member(item(p, "finishes", 0), "tasks", "[0,2]");
     assert_false(has_word(p, "command", "--files"));
     json_decref(p);
+    p = plan("--plan --json --task-minutes 0 %s -o %s/all.png --spp 1 " SIZE, grid_of(f),
+             f->folder);
+    assert_member(p, "kind", "\"quilt\"");
+    assert_int_equal(whole_of(p, "views"), 6);
+    json_decref(p);
 }
 
 /* Runs the commands of a plan as a shell does. */
