@@ -39,6 +39,12 @@ void lf_plan_inputs_begin(void)
     lf_file_on_open(note, NULL);
 }
 
+void lf_plan_inputs_listen(bool on)
+{
+    if (inputs.names)
+        lf_file_on_open(on ? note : NULL, NULL);
+}
+
 static int compare(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);

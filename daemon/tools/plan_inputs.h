@@ -12,6 +12,9 @@
 
 /* From now on every opened file is noted, in any thread. */
 void lf_plan_inputs_begin(void);
+/* Files that are opened before the next call with `on` are outputs: they are not noted. Does
+ * nothing before lf_plan_inputs_begin. */
+void lf_plan_inputs_listen(bool on);
 /* Ends it, and makes the list, in the order of names:
  *
  *     [{"name": path as opened, "bytes": n, "sha256": digits, if it is small}, ...]
