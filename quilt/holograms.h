@@ -41,7 +41,7 @@ typedef struct lf_plate {
     int columns, rows; /* cameras */
     int width, height; /* of a camera's picture, in pixels */
     int parts;         /* a row of cameras is rendered in this many equal parts, from the left */
-    int per_metre[2];  /* cells across and down; 0: unknown */
+    int microns[2];    /* size of the plate; 0: unknown */
     lf_plate_form form;
     lf_plate_format format;
     lf_plate_flips flips;
@@ -122,9 +122,10 @@ LF_NODISCARD lf_status lf_plate_finish(const lf_plate *plate, const char *folder
 bool lf_plate_is_finished(const lf_plate *plate, const char *folder, const json_t *facts);
 
 /* Ensures that all tasks in a folder are parts of one plate. The first one makes the folder and
- * writes facts and conventions to plate.json. Later ones compare. replace: first removes all files
- * of plates, also of larger ones. LF_E_EXISTS: plate.json differs, and err names the first member
- * that does; or there are pictures without plate.json. */
+ * writes facts and conventions to plate.json. Later ones compare. replace: first removes the files
+ * of the plate that plate.json or manifest.json describes. LF_E_EXISTS: plate.json differs, and err
+ * names the first member that does; or there are files of no plate, which are never removed.
+ * LF_E_IO: also if a folder in it is a link, or cannot be read. */
 LF_NODISCARD lf_status lf_plate_begin(const lf_plate *plate, const char *folder,
                                       const json_t *facts, bool replace, lf_error *err);
 /* The same comparison, for plans: writes nothing, and the folder need not exist. */

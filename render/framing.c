@@ -161,16 +161,42 @@ bool lf_scene_is_seen(const lf_scene *scene, const lf_render_settings *settings)
 
 /* --------------------------------------------------------------------------------------- fit -- */
 
+/* The outer cameras of a track or grid, from its middle: across and up. */
+static void find_outer(const lf_rig *rig, const lf_camera *camera, double out[2])
+{
+    const double step =
+        camera->n_rows > 1 && !camera->has_parts ? camera->rows_height / (camera->n_rows - 1) : 0.0;
+    out[0] = (double)rig->b[rig->n_views - 1] + (double)rig->blur;
+    out[1] = 0.5 * (step * (camera->n_rows - 1) + camera->view_blur * step);
+}
+
+/* The least D with D (share D + share z - x) >= deep: for cameras whose places do not depend on
+ * their distance D. */
+static double root(double share, double x, double z, double deep)
+{
+    const double b = share * z - x;
+    return (sqrt(b * b + 4.0 * share * deep) - b) / (2.0 * share);
+}
+
 /* Required distance of the cameras from the middle of the box for this corner, at (x, y, z) from it
- * in camera space. |X_w| = D |x + z b/D| / (D + z) for the outer cameras, and |Y_w|, must be within
- * their share of the window's half, and the step within steps. */
-static double distance_for(const lf_rig *rig, const double corner[3], double fill, double steps)
+ * in camera space. For the outer cameras, at b, |X_w| = |x D + z b| / (D + z), and |Y_w| alike,
+ * must be within their share of the window's half, and the step within steps. On an arc, b is
+ * proportional to D. */
+static double distance_for(const lf_rig *rig, const lf_camera *camera, const double corner[3],
+                           double fill, double steps)
 {
     double distance = (double)rig->distance, z = corner[2],
-           outer = ((double)rig->b[rig->n_views - 1] + (double)rig->blur) / distance,
            across = fill * 0.5 * rig->width * (double)rig->dx / distance,
-           up = fill * 0.5 * rig->height * -(double)rig->dy / distance;
-    double least = (fabs(corner[0]) + outer * fabs(z)) / across - z;
+           up = fill * 0.5 * rig->height * -(double)rig->dy / distance, outer[2], least;
+    find_outer(rig, camera, outer);
+    if (camera->track > 0.0) {
+        least = fmax(root(across, fabs(corner[0]), z, fabs(z) * outer[0]),
+                     root(up, fabs(corner[1]), z, fabs(z) * outer[1]));
+        if (steps > 0.0)
+            least = fmax(least, root(1.0, 0.0, z, fabs(z) * far_step(rig) * distance / steps));
+        return least;
+    }
+    least = (fabs(corner[0]) + outer[0] / distance * fabs(z)) / across - z;
     least = fmax(least, fabs(corner[1]) / up - z);
     if (steps > 0.0)
         least = fmax(least, fabs(z) * far_step(rig) / steps - z);
@@ -195,7 +221,7 @@ static lf_status stand(const lf_scene *scene, const lf_render_settings *settings
                   (float)(bounds[i >> 2][2] - middle[2]));
         const double corner[3] = {(double)lf_dot(p, rig.right), (double)lf_dot(p, rig.up),
                                   (double)lf_dot(p, rig.forward)};
-        distance = fmax(distance, distance_for(&rig, corner, fill, steps));
+        distance = fmax(distance, distance_for(&rig, &settings->camera, corner, fill, steps));
     }
     if (!(distance > 0.0))
         return lf_error_set(err, LF_E_ARG, "fit", "the object to frame has no size");
@@ -271,9 +297,10 @@ lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *setting
     const int axis = upward(camera);
     if (!(fill > 0.0 && fill <= 1.0) || !(steps >= 0.0))
         return lf_error_set(err, LF_E_ARG, "fit", "fill must be above 0 and at most 1");
-    if (camera->track > 0.0)
+    if (camera->track > 0.0 && camera->own_windows)
         return lf_error_set(err, LF_E_ARG, "fit",
-                            "a camera track cannot be fitted to an object; use other camera.views");
+                            "cameras with windows of their own cannot be fitted to an object; use "
+                            "\"window\": \"shared\", or give position and target");
     if (!lf_scene_bounds(scene, name, bounds))
         return name ? refuse_name(scene, name, err)
                     : lf_error_set(err, LF_E_ARG, "fit", "the scene has no object to frame");

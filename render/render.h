@@ -260,8 +260,9 @@ bool lf_scene_is_seen(const lf_scene *scene, const lf_render_settings *settings)
  * window, seen from the same side as now. In every view it fills at most the share `fill` (0 < fill
  * <= 1) of the width and height; the camera is as near as that allows. A camera that would be below
  * a ground looks horizontally instead. steps > 0: the camera stays so far away that no part of the
- * box has a greater depth step; the box is then smaller in the window. LF_E_ARG: the box is empty,
- * or fill or steps are out of range; also errors of the rig. */
+ * box has a greater depth step; the box is then smaller in the window. Tracks and grids keep their
+ * size. LF_E_ARG: the box is empty, or fill or steps are out of range, or cameras have windows of
+ * their own; also errors of the rig. */
 LF_NODISCARD lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *settings,
                                      const char *name, double fill, double steps,
                                      double out_target[3], double out_position[3], lf_error *err);

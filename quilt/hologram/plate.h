@@ -5,6 +5,9 @@
 #include "base/file_hash.h"
 #include "quilt/holograms.h"
 
+/* Room for the name of a file, relative to the plate's folder. */
+#define LF_PLATE_NAME 64
+
 /* The first camera of a task, and the number of its cameras. */
 int lf_plate_task_row(const lf_plate *plate, int task);
 int lf_plate_task_first(const lf_plate *plate, int task);
@@ -85,12 +88,14 @@ LF_NODISCARD lf_status lf_plate_receipt_remove(const char *folder, int task, lf_
 LF_NODISCARD lf_status lf_plate_receipts(const lf_plate *plate, const char *folder,
                                          const json_t *facts, json_t **out_hashes, lf_error *err);
 
-/* Removes all files that a plate of any size can have, except plate.json; then empty folders.
- * LF_E_IO. */
-LF_NODISCARD lf_status lf_plate_clear(const char *folder, lf_error *err);
-/* True if there is such a file; out: the name of the first. */
-#define LF_PLATE_NAME 64
-bool lf_plate_has_files(const char *folder, char out[static LF_PLATE_NAME]);
+/* What plate.json or, without one, manifest.json says of the plate in a folder. A new reference;
+ * NULL: the folder has no file that a plate can have, or is not there. LF_E_EXISTS: it has such
+ * files, and they are of no plate; LF_E_IO: a folder in it is a link or cannot be read. */
+LF_NODISCARD lf_status lf_plate_find(const char *folder, json_t **out, bool *out_is_manifest,
+                                     lf_error *err);
+/* Removes the files that a plate with this description can have, except plate.json; then empty
+ * folders. LF_E_EXISTS: it describes no plate; LF_E_IO: as above, and nothing is removed. */
+LF_NODISCARD lf_status lf_plate_clear(const char *folder, const json_t *plate, lf_error *err);
 /* Removes a file if it is there. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_plate_remove_file(const char *folder, const char *name, lf_error *err);
 

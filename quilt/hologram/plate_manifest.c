@@ -65,28 +65,54 @@ static json_t *as_in_file(json_t *object)
 }
 
 /* What is in a folder is of this plate. A folder without plate.json must have no pictures: they
- * would be of another plate. Tasks that begin at the same time may see plate.json late. */
+ * would be of another plate. */
 static lf_status compare(const char *folder, const json_t *wanted, const char *remedy,
                          bool *out_there, lf_error *err)
 {
-    char name[LF_PLATE_NAME];
-    json_t *there = lf_plate_load(folder, "plate.json");
-    const bool has_files = !there && lf_plate_has_files(folder, name);
-    if (has_files)
-        there = lf_plate_load(folder, "plate.json");
+    bool is_manifest;
+    json_t *there;
+    lf_status status = lf_plate_find(folder, &there, &is_manifest, err);
     const char *key = there ? first_difference(wanted, there) : NULL;
     *out_there = there;
+    if (is_manifest)
+        status = lf_error_set(err, LF_E_EXISTS, folder,
+                              "has manifest.json of a plate without plate.json; choose another "
+                              "folder, or %s",
+                              remedy);
+    else if (key)
+        status = lf_error_set(err, LF_E_EXISTS, folder,
+                              "the plate there has another \"%s\" (plate.json); choose another "
+                              "folder, or %s",
+                              key, remedy);
     json_decref(there);
-    if (key)
-        return lf_error_set(err, LF_E_EXISTS, folder,
-                            "the plate there has another \"%s\" (plate.json); choose another "
-                            "folder, or %s",
-                            key, remedy);
-    if (has_files && !*out_there)
-        return lf_error_set(err, LF_E_EXISTS, folder,
-                            "has %s of a plate without plate.json; choose another folder, or %s",
-                            name, remedy);
-    return LF_OK;
+    return status;
+}
+
+/* The new plate.json is written beside the old one first: if that fails, nothing is lost. */
+static lf_status replace_plate(const char *folder, const json_t *wanted, lf_error *err)
+{
+    bool is_manifest;
+    json_t *there;
+    lf_outfile file = {.fd = -1};
+    char *text = json_dumps(wanted, JSON_INDENT(1)), *path = lf_path_join(folder, "plate.json");
+    lf_status status = lf_plate_find(folder, &there, &is_manifest, err);
+    if (status == LF_OK)
+        status = text && path ? lf_outfile_open(&file, path, true, err)
+                              : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
+    if (status == LF_OK)
+        status = lf_outfile_write(&file, text, strlen(text), err);
+    if (status == LF_OK && fsync(file.fd) != 0)
+        status = lf_error_set(err, LF_E_IO, path, "cannot write: %s", lf_errno_text(errno));
+    if (status == LF_OK && there)
+        status = lf_plate_clear(folder, there, err);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&file, true, err);
+    else
+        lf_outfile_abandon(&file);
+    json_decref(there);
+    free(text);
+    lf_free(path);
+    return status;
 }
 
 lf_status lf_plate_check(const lf_plate *plate, const char *folder, const json_t *facts,
@@ -107,11 +133,11 @@ lf_status lf_plate_begin(const lf_plate *plate, const char *folder, const json_t
         return lf_error_set(err, LF_E_IO, folder, "cannot make the folder: %s",
                             lf_errno_text(errno));
     json_t *wanted = as_in_file(lf_plate_describe(plate, facts));
-    bool there = false;
+    bool there = replace;
     lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, folder, "out of memory");
     if (status == LF_OK)
         status =
-            replace ? lf_plate_clear(folder, err)
+            replace ? replace_plate(folder, wanted, err)
                     : compare(folder, wanted, "use --overwrite without --camera-rows", &there, err);
     if (status == LF_OK && !there)
         status = lf_plate_save(folder, "plate.json", wanted, err);

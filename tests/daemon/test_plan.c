@@ -153,6 +153,52 @@ static void a_plan_notes_the_files_that_it_has_read(void **state)
     json_decref(p);
 }
 
+/* What a job has written is no input of the next plan: a missing row would never be made again. */
+static void outputs_are_no_inputs(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX];
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    for (int is_all = 0; is_all < 2; is_all++) {
+        qr_succeed("%s -o %s/plate/ --hologram views --spp 1 %s " SIZE, scene, f->folder,
+                   is_all ? "" : "--camera-rows 1:1");
+        json_t *p =
+            plan("--plan --json %s -o %s/plate/ --hologram views --spp 1 " SIZE, scene, f->folder);
+        assert_int_equal(count(p, "inputs"), 2);
+        assert_non_null(input(p, f->folder, "fog.json"));
+        json_decref(p);
+    }
+}
+
+/* Every process of a farm reads what has a hash. */
+static void hashes_are_of_the_smaller_files_up_to_a_sum(void **state)
+{
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const qr_files *f = *state;
+    char scene[2048], path[32];
+    size_t n = (size_t)snprintf(scene, sizeof scene, "{ \"include\": \"fog.json\", \"meshes\": { ");
+    for (int i = 0; i < 6; i++) {
+        snprintf(path, sizeof path, "large_%d.obj", i);
+        char *data = malloc(12 << 20);
+        assert_non_null(data);
+        memset(data, '\n', 12 << 20);
+        memcpy(data, obj, sizeof obj - 1);
+        data[(12 << 20) - 1] = '\0';
+        lf_test_write(f->folder, path, data);
+        free(data);
+        n += (size_t)snprintf(scene + n, sizeof scene - n, "%s\"m%d\": { \"file\": \"%s\" }",
+                              i > 0 ? ", " : "", i, path);
+    }
+    snprintf(scene + n, sizeof scene - n, " } }\n");
+    json_t *p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE,
+                     lf_test_write(f->folder, "sum.json", scene), f->folder);
+    assert_int_equal(count(p, "inputs"), 8);
+    assert_true(json_is_string(json_object_get(input(p, f->folder, "sum.json"), "sha256")));
+    assert_true(json_is_string(json_object_get(input(p, f->folder, "large_4.obj"), "sha256")));
+    assert_null(json_object_get(input(p, f->folder, "large_5.obj"), "sha256"));
+    json_decref(p);
+}
+
 /* The highest row of cameras, the last, meets a fog with many collisions, the lowest nothing: the
  * work of their tasks differs by more than ten, which the plan must tell to a factor of two. */
 static void rows_that_see_less_take_less_time(void **state)
@@ -250,6 +296,11 @@ static void a_grid_in_one_output_is_joined(void **state)
     assert_member(item(p, "finishes", 0), "fields", "null");
     assert_member(item(p, "finishes", 0), "tasks", "[0,2]");
     assert_false(has_word(p, "command", "--files"));
+    json_decref(p);
+    p = plan("--plan --json --task-minutes 0 %s -o %s/all.png --spp 1 " SIZE, grid_of(f),
+             f->folder);
+    assert_member(p, "kind", "\"quilt\"");
+    assert_int_equal(whole_of(p, "views"), 6);
     json_decref(p);
 }
 
@@ -419,6 +470,29 @@ static void wrong_plans_are_one_line(void **state)
     }
 }
 
+/* Its tasks would refuse them. Those that are kept are outputs, and no inputs. */
+static void frames_that_tasks_would_refuse_are_told(void **state)
+{
+    const char *how = "--turntable 3 --quilt 3x2 " SIZE;
+    const qr_files *f = *state;
+    qr_outcome o;
+    json_t *before = plan("%s -o %s/k.png --passes 2 --plan --json %s", f->scene, f->folder, how);
+    qr_succeed("%s -o %s/k.png --frames 2:2 --passes 2 %s", f->scene, f->folder, how);
+    for (int json = 0; json < 2; json++) {
+        qr_run(&o, "%s -o %s/k.png --passes 9 --plan %s %s", f->scene, f->folder,
+               json ? "--json" : "", how);
+        qr_assert_fails(&o, 1,
+                        "k_0002_qs3x2a0.75.png: exists and was rendered with budget passes 2, not "
+                        "passes 9; remove it, or keep it with --mixed");
+    }
+    qr_succeed("%s -o %s/k.png --passes 9 --mixed --plan %s", f->scene, f->folder, how);
+    json_t *after = plan("%s -o %s/k.png --passes 2 --plan --json %s", f->scene, f->folder, how);
+    assert_true(count(before, "inputs") > 0);
+    assert_true(json_equal(json_object_get(before, "inputs"), json_object_get(after, "inputs")));
+    json_decref(before);
+    json_decref(after);
+}
+
 /* ---------------------------------------------------------------------------------- receipts -- */
 
 /* The entry of a file is true, by another reading of it. */
@@ -506,6 +580,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(rows_of_cameras_are_tasks, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_plan_notes_the_files_that_it_has_read, qr_set_up,
                                         qr_tear_down),
+        cmocka_unit_test_setup_teardown(outputs_are_no_inputs, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(hashes_are_of_the_smaller_files_up_to_a_sum, qr_set_up,
+                                        qr_tear_down),
         cmocka_unit_test_setup_teardown(rows_that_see_less_take_less_time, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
@@ -519,6 +596,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(memory_grows_with_rows, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(memory_that_cannot_be_met_is_told, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(frames_that_tasks_would_refuse_are_told, qr_set_up,
+                                        qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,
                                         qr_tear_down),

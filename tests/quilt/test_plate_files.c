@@ -1,5 +1,8 @@
 /* Files of hologram plates: receipts of tasks, and what an earlier plate left in a folder. */
+#include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "base/alloc.h"
@@ -165,46 +168,172 @@ static void damaged_samples_are_told(void **state)
 
 /* ----------------------------------------------------------------------------- another plate -- */
 
+static void make_folders(const char *folder, const char *const *names)
+{
+    for (; *names; names++)
+        if (mkdir(lf_test_path(folder, *names), 0777) != 0 && errno != EEXIST)
+            fail_msg("cannot make %s", *names);
+}
+
+static void assert_there(const char *folder, const char *const *names, bool are)
+{
+    for (; *names; names++)
+        if (exists(folder, *names) != are)
+            fail_msg("%s %s", *names, are ? "is gone" : "is left");
+}
+
 /* Nothing of a larger plate stays, and nothing else is removed. */
 static void overwriting_removes_the_plate_before(void **state)
 {
-    static const char *const gone[] = {"manifest.json",
-                                       "plate.raw",
-                                       "rows",
-                                       "views/r005/c0003.png",
-                                       "views/r000",
-                                       "views/view_0022.png",
-                                       "views/view_0003.tif",
-                                       "hogels/r0000/c0000.exr",
-                                       "hogels"};
-    static const char *const stays[] = {"notes.txt", "views/r000.png", "views/view_1.png",
-                                        "rows2/r000.raw"};
+    static const char *const gone[] = {"manifest.json",        "rows",       "views/r005/c0003.png",
+                                       "views/r000/c0003.png", "views/r003", NULL};
+    static const char *const folders[] = {"hogels", "hogels/r0000", "rows2", "views/r006", NULL};
+    static const char *const stays[] = {"notes.txt",
+                                        "plate.raw",
+                                        "rows2/r000.raw",
+                                        "views/r000.png",
+                                        "views/r000/c0004.png",
+                                        "views/r000/c00003.png",
+                                        "views/r000/c0003.tif",
+                                        "views/r006/c0000.png",
+                                        "views/view_000.exr",
+                                        "views/view_0001.png",
+                                        "hogels/r0000/c0000.png",
+                                        NULL};
     const lf_plate large = eyes(4, 6), small = eyes(2, 3);
     lf_error err = {0};
     char path[PATH_MAX];
     json_t *facts = json_object();
     snprintf(path, sizeof path, "%s/larger", (const char *)*state);
     write_plate(&large, path, facts);
-    assert_int_equal(mkdir(lf_test_path(path, "hogels"), 0777), 0);
-    assert_int_equal(mkdir(lf_test_path(path, "hogels/r0000"), 0777), 0);
-    assert_int_equal(mkdir(lf_test_path(path, "rows2"), 0777), 0);
-    for (size_t i = 0; i < sizeof gone / sizeof *gone; i++)
-        if (strchr(gone[i], '.'))
-            lf_test_write(path, gone[i], "");
-    for (size_t i = 0; i < sizeof stays / sizeof *stays; i++)
+    make_folders(path, folders);
+    for (size_t i = 0; stays[i]; i++)
         lf_test_write(path, stays[i], "");
     assert_int_equal(lf_plate_begin(&small, path, facts, false, &err), LF_E_EXISTS);
     assert_true(exists(path, "views/r005/c0003.png"));
     lf_assert_ok(lf_plate_begin(&small, path, facts, true, &err), &err);
-    for (size_t i = 0; i < sizeof gone / sizeof *gone; i++)
-        if (exists(path, gone[i]))
-            fail_msg("%s is left", gone[i]);
-    for (size_t i = 0; i < sizeof stays / sizeof *stays; i++)
-        if (!exists(path, stays[i]))
-            fail_msg("%s is gone", stays[i]);
+    assert_there(path, gone, false);
+    assert_there(path, stays, true);
     assert_true(exists(path, "plate.json"));
     lf_assert_ok(write_tasks(&small, path, facts, &err), &err);
     lf_assert_ok(lf_plate_finish(&small, path, facts, &plain_run, &err), &err);
+    json_decref(facts);
+}
+
+/* Pictures and samples of each form are known by the plate's own description. */
+static void overwriting_knows_all_forms(void **state)
+{
+    static const char *const gone[][3] = {{"views/view_0002.exr", "rows"},
+                                          {"hogels/r0003/c0004.exr", "hogels"},
+                                          {"plate.raw", "rows"}};
+    for (int i = 0; i < 3; i++) {
+        lf_plate plate = eyes(3, 1);
+        lf_error err = {0};
+        char path[PATH_MAX];
+        json_t *facts = json_object();
+        plate.form = (lf_plate_form)i;
+        plate.format = LF_PLATE_EXR;
+        snprintf(path, sizeof path, "%s/forms_%d", (const char *)*state, i);
+        write_plate(&plate, path, facts);
+        assert_there(path, gone[i], true);
+        if (i == 1) /* manifest.json also says that it is a plate */
+            assert_int_equal(unlink(lf_test_path(path, "plate.json")), 0);
+        lf_assert_ok(lf_plate_begin(&plate, path, facts, true, &err), &err);
+        assert_there(path, gone[i], false);
+        json_decref(facts);
+    }
+}
+
+/* Files of others have names of a plate's, too. */
+static void files_of_no_plate_are_never_removed(void **state)
+{
+    static const char *const folders[] = {"views",        "views/r000", "hogels",
+                                          "hogels/r0001", "rows",       NULL};
+    static const struct {
+        const char *name, *text;
+    } cases[] = {{"manifest.json", "{\"name\": \"web app\"}"},
+                 {"plate.json", "{\"number\": \"M 123\"}"},
+                 {"plate.json", "{\"quiltd_hologram\": 1}"},
+                 {"plate.raw", ""},
+                 {"rows/r2024.json", "{}"},
+                 {"views/view_000.exr", ""},
+                 {"views/view_0001.png", ""},
+                 {"views/r000/c0000.png", ""},
+                 {"hogels/r0001/c0001.tif", ""}};
+    const lf_plate plate = eyes(2, 2);
+    json_t *facts = json_object();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[PATH_MAX], words[128];
+        snprintf(path, sizeof path, "%s/foreign_%zu", (const char *)*state, i);
+        assert_int_equal(mkdir(path, 0777), 0);
+        make_folders(path, folders);
+        lf_test_write(path, cases[i].name, cases[i].text);
+        snprintf(words, sizeof words, "has %s, which is of no plate that quiltd knows",
+                 cases[i].name);
+        for (int replace = 0; replace < 2; replace++) {
+            lf_error err = {0};
+            if (lf_plate_begin(&plate, path, facts, replace, &err) != LF_E_EXISTS)
+                fail_msg("%s is taken for a plate's", cases[i].name);
+            if (!strstr(err.what, words) || strstr(err.what, "overwrite"))
+                fail_msg("%s", err.what);
+        }
+        struct stat there;
+        assert_int_equal(stat(lf_test_path(path, cases[i].name), &there), 0);
+        assert_int_equal(there.st_size, strlen(cases[i].text));
+    }
+    json_decref(facts);
+}
+
+/* What cannot be looked into may hold files of the plate, and nothing is removed. */
+static void links_in_a_plate_are_refused(void **state)
+{
+    static const char *const names[] = {"views", "views/r001", "rows"};
+    const lf_plate plate = eyes(2, 2);
+    json_t *facts = json_object();
+    for (int i = 0; i < 3; i++) {
+        lf_error err = {0};
+        char path[PATH_MAX], from[PATH_MAX], to[PATH_MAX];
+        snprintf(path, sizeof path, "%s/linked_%d", (const char *)*state, i);
+        snprintf(to, sizeof to, "%s/disk2_%d", (const char *)*state, i);
+        write_plate(&plate, path, facts);
+        snprintf(from, sizeof from, "%s", lf_test_path(path, names[i]));
+        assert_int_equal(rename(from, to), 0);
+        assert_int_equal(symlink(to, from), 0);
+        assert_int_equal(lf_plate_begin(&plate, path, facts, true, &err), LF_E_IO);
+        if (!strstr(err.what, names[i]) || !strstr(err.what, "is a link or no folder"))
+            fail_msg("%s", err.what);
+        assert_true(exists(path, "manifest.json"));
+        assert_true(exists(path, "views/r001/c0001.png"));
+        assert_int_equal(unlink(lf_test_path(path, "plate.json")), 0);
+        assert_int_equal(unlink(lf_test_path(path, "manifest.json")), 0);
+        assert_int_not_equal(lf_plate_begin(&plate, path, facts, false, &err), LF_OK);
+    }
+    json_decref(facts);
+}
+
+/* The earlier plate stays if the new one cannot even begin. */
+static void a_full_disk_keeps_the_plate_before(void **state)
+{
+    const lf_plate before = eyes(2, 3), plate = eyes(2, 2);
+    struct rlimit all, none;
+    lf_error err = {0};
+    char path[PATH_MAX];
+    json_t *facts = json_object(), *was;
+    snprintf(path, sizeof path, "%s/full", (const char *)*state);
+    write_plate(&before, path, facts);
+    was = load(path, "plate.json");
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &all), 0);
+    none = (struct rlimit){100, all.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+    const lf_status status = lf_plate_begin(&plate, path, facts, true, &err);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &all), 0);
+    assert_int_equal(status, LF_E_IO);
+    assert_true(lf_plate_is_finished(&before, path, facts));
+    json_t *is = load(path, "plate.json");
+    assert_true(json_equal(was, is));
+    json_decref(is);
+    json_decref(was);
     json_decref(facts);
 }
 
@@ -226,7 +355,11 @@ static void pictures_of_nobody_are_refused(void **state)
     assert_int_equal(unlink(lf_test_path(path, "manifest.json")), 0);
     assert_int_equal(lf_plate_check(&plate, path, facts, &err), LF_E_EXISTS);
     assert_non_null(strstr(err.what, "has rows/r00"));
-    assert_non_null(strstr(err.what, "or remove this one"));
+    assert_int_equal(unlink(lf_test_path(path, "rows/r000.json")), 0);
+    assert_int_equal(unlink(lf_test_path(path, "rows/r001.json")), 0);
+    assert_int_equal(lf_plate_check(&plate, path, facts, &err), LF_E_EXISTS);
+    assert_non_null(strstr(err.what, "has views/r00")); /* with all folders */
+    assert_non_null(strstr(err.what, "/c000"));
     assert_false(exists(path, "plate.json"));
     json_decref(facts);
 }
@@ -334,6 +467,10 @@ int main(void)
         cmocka_unit_test(damaged_pictures_are_told),
         cmocka_unit_test(damaged_samples_are_told),
         cmocka_unit_test(overwriting_removes_the_plate_before),
+        cmocka_unit_test(overwriting_knows_all_forms),
+        cmocka_unit_test(files_of_no_plate_are_never_removed),
+        cmocka_unit_test(links_in_a_plate_are_refused),
+        cmocka_unit_test(a_full_disk_keeps_the_plate_before),
         cmocka_unit_test(pictures_of_nobody_are_refused),
         cmocka_unit_test(words_are_of_the_files_as_written),
         cmocka_unit_test(a_manifest_says_where_eyes_and_cells_are),

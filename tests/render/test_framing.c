@@ -257,6 +257,86 @@ static void what_is_framed_fills_its_share_of_all_views(void **state)
     assert_fits(LOOK("'position': [0, 0, 5], 'views': 1"), "quad", 0.8, 0);
 }
 
+/* How far the corners of a box reach in the window of all cameras of a grid: of its half. */
+static double reach_of_grid(const lf_camera *c, double bounds[2][3])
+{
+    double right[3], up[3], forward[3], distance, reach = 0;
+    const int rows = c->n_rows > 0 ? c->n_rows : 1, cameras = c->n_views * rows;
+    frame_of(c, right, up, forward, &distance);
+    const double half = distance * tan(c->fov_y / 2);
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < cameras; k++) {
+            double x = 0, y = 0, z = 0;
+            for (int a = 0; a < 3; a++) {
+                const double p = bounds[i >> a & 1][a] - c->position[a];
+                x += right[a] * p;
+                y += up[a] * p;
+                z += forward[a] * p;
+            }
+            const double across = ((double)(k % c->n_views) / (c->n_views - 1) - 0.5) * c->track,
+                         above = rows > 1 ? ((double)(k / c->n_views) / (rows - 1) - 0.5) *
+                                                c->rows_height
+                                          : 0;
+            assert_true(z > 0);
+            reach = fmax(reach, fabs(across + (x - across) * distance / z) / (half * c->aspect));
+            reach = fmax(reach, fabs(above + (y - above) * distance / z) / half);
+        }
+    return reach;
+}
+
+/* Pixels from camera to camera along a row, of the corner that moves most. */
+static double largest_track_step(const lf_camera *c, int width, double bounds[2][3])
+{
+    double right[3], up[3], forward[3], distance, largest = 0;
+    frame_of(c, right, up, forward, &distance);
+    for (int i = 0; i < 8; i++) {
+        double z = 0;
+        for (int a = 0; a < 3; a++)
+            z += forward[a] * (bounds[i >> a & 1][a] - c->position[a]);
+        largest = fmax(largest, fabs(c->track / (c->n_views - 1) * (1 - distance / z)) * width /
+                                    (2 * distance * tan(c->fov_y / 2) * c->aspect));
+    }
+    return largest;
+}
+
+/* Tracks and grids keep their size wherever they are. */
+static void what_is_framed_fills_its_share_of_a_grid(void **state)
+{
+    static const char *const views[] = {
+        "'track': {'count': 5, 'length': 3, 'window': 'shared'}",
+        "'grid': {'columns': 5, 'rows': 4, 'width': 3, 'height': 2}",
+        "'grid': {'columns': 3, 'rows': 9, 'width': 0.1, 'height': 9}",
+        "'grid': {'columns': 2, 'rows': 1, 'width': 1e-6, 'height': 0}",
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++)
+        for (int steps = 0; steps < 2; steps++) {
+            char text[512];
+            snprintf(text, sizeof text,
+                     "{'camera': {'position': [1, 2, 5], 'fov_y': 30, 'aspect': 0.75, 'views': "
+                     "{%s}}}",
+                     views[i]);
+            lf_scene *scene = lf_test_scene(lf_test_scene_patched("three-things", "%s", text));
+            lf_render_settings settings = settings_of(scene, 90, 120);
+            lf_camera fitted = settings.camera;
+            lf_error err = {0};
+            double bounds[2][3];
+            assert_true(lf_scene_bounds(scene, "cube", bounds));
+            lf_assert_ok(lf_camera_fit(scene, &settings, "cube", 0.9, steps, fitted.target,
+                                       fitted.position, &err),
+                         &err);
+            const double reach = reach_of_grid(&fitted, bounds);
+            assert_true(reach < 0.9001 && (steps || reach > 0.8999));
+            if (steps)
+                assert_true(largest_track_step(&fitted, 90, bounds) < 1.0001);
+            /* negative control: a hundredth nearer */
+            for (int a = 0; a < 3; a++)
+                fitted.position[a] += (fitted.target[a] - fitted.position[a]) / 100;
+            assert_true(steps || reach_of_grid(&fitted, bounds) > 0.903);
+            lf_scene_unref(scene);
+        }
+}
+
 /* The same, made smaller by its depth, or not. */
 static void what_is_framed_is_no_deeper_than_asked(void **state)
 {
@@ -283,6 +363,10 @@ static void nothing_cannot_be_framed(void **state)
     REFUSED(scene, NULL, 1.1, 0);
     REFUSED(scene, NULL, NAN, 0);
     REFUSED(scene, NULL, 0.9, -1);
+    settings.camera.track = 1;
+    settings.camera.own_windows = true;
+    REFUSED(scene, NULL, 0.9, 0);
+    assert_non_null(strstr(err.what, "cameras with windows of their own cannot be fitted"));
 #undef REFUSED
     assert_true(target[0] == 7 && position[0] == 7);
     lf_scene_unref(scene);
@@ -299,6 +383,7 @@ int main(void)
         cmocka_unit_test(only_what_is_in_the_picture_counts),
         cmocka_unit_test(what_begins_at_the_cameras_has_no_least_step),
         cmocka_unit_test(what_is_framed_fills_its_share_of_all_views),
+        cmocka_unit_test(what_is_framed_fills_its_share_of_a_grid),
         cmocka_unit_test(what_is_framed_is_no_deeper_than_asked),
         cmocka_unit_test(nothing_cannot_be_framed),
     };

@@ -184,9 +184,14 @@ static void what_cannot_be_placed_is_told(void **state)
     assert_refused(text, "/camera/fit", "expected true, false or the name");
     snprintf(text, sizeof text, "{'camera': {'fit': true, 'from': {'mesh': 'cube'}}, %s", cube);
     assert_refused(text, "/camera/fit", "\"fit\" and \"from\" both place the camera");
+    snprintf(text, sizeof text, "{'camera': {'fit': true, 'views': {'circle': {'count': 9}}}, %s",
+             cube);
+    assert_refused(text, "/camera/fit", "needs as \"views\" a number, or a track or grid");
     snprintf(text, sizeof text,
-             "{'camera': {'fit': true, 'views': {'track': {'count': 9, 'length': 2}}}, %s", cube);
-    assert_refused(text, "/camera/fit", "needs a number");
+             "{'camera': {'fit': true, 'views': {'grid': {'columns': 2, 'rows': 2, 'width': 1, "
+             "'height': 1, 'window': 'own'}}}, %s",
+             cube);
+    assert_refused(text, "/camera/fit", "or give position and target");
     assert_refused("{'camera': {'fit': true}}", "/camera/fit", "no object to frame");
     assert_refused("{'meshes': {'floor': {'shape': 'sphere', 'ground': true}}}", "/meshes/floor",
                    "needs a \"transform\"");

@@ -171,8 +171,6 @@ static void parse_fit(lf_reader *reader, const lf_node *node, const lf_node *fit
         lf_read_fail(reader, fit, "expected true, false or the name of a mesh or volume");
     if (!json_is_false(fit->value) && lf_node_child(node, "from").value)
         lf_read_fail(reader, fit, "\"fit\" and \"from\" both place the camera; remove one of them");
-    if (!json_is_false(fit->value) && json_is_object(lf_node_child(node, "views").value))
-        lf_read_fail(reader, fit, "\"fit\" needs a number as \"views\"");
 }
 
 /* The keys of the table; views that are an object, and "fit", are read by themselves. */
@@ -199,6 +197,10 @@ static void parse_params(lf_reader *reader, const lf_node *node, lf_scene_desc *
     if (!json_is_object(views.value))
         return;
     parse_placed_views(reader, &views, out);
+    if (fit.value && !json_is_false(fit.value) && (out->camera.list || out->camera.own_windows))
+        lf_read_fail(reader, &fit,
+                     "needs as \"views\" a number, or a track or grid with \"window\": \"shared\"; "
+                     "or give position and target");
     if (out->camera.list && from.value)
         lf_read_fail(reader, &from, "\"from\" cannot be combined with cameras listed one by one");
 }
