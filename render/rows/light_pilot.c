@@ -14,7 +14,7 @@ enum { LEAST_LEARNING = 32, MOST_LEARNING = 512 }; /* chunks */
 enum { TILES = LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS };
 
 /* The share of the variance from which light paths pay off. */
-#define LEAST_SHARE 0.4
+#define LEAST_SHARE 0.7
 /* Cost of connecting a vertex to all views, relative to that of a path up to there. */
 #define COST_OF_RAYS 2.0
 #define KEY UINT64_C(0x6c69676874706174)
