@@ -274,7 +274,7 @@ never_on_slurm() {
         wait_for "the queue is empty" is_empty
     done
     bin/quiltfarm submit frames.job 2> submit.log
-    report "it is not sent a fourth time" "$(has_words submit.log '1 step failed 3 times'; is_empty || squeue)"
+    report "it is not sent a fourth time" "$(has_words submit.log '1 step is given up'; is_empty || squeue)"
     mv away s_0002.vdb
     bin/quiltfarm resume frames.job 2> submit.log || cat submit.log
     bin/quiltfarm cancel frames.job 2> cancel.log || cat cancel.log

@@ -27,7 +27,7 @@ lf_status lf_farm_queue_read(const lf_farm_job *job, const json_t *sent, lf_farm
     out->places = lf_calloc((size_t)(job->n_tasks + job->n_finishes), sizeof *out->places);
     if (!out->places)
         return lf_farm_no_memory(job->path, err);
-    return sent ? job->engine->look(job, sent, out, err) : LF_OK;
+    return sent && job->engine->look ? job->engine->look(job, sent, out, err) : LF_OK;
 }
 
 void lf_farm_queue_finish(lf_farm_queue *queue)

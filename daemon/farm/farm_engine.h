@@ -31,7 +31,8 @@ struct lf_farm_engine {
      * LF_E_CANCELLED: it was told to end; what was rendered is saved. LF_E_ARG: unusable words.
      * LF_E_IO: its program failed; what was sent may run. */
     lf_status (*send)(lf_farm_job *job, const lf_farm_batch *batch, json_t *sent, lf_error *err);
-    /* Fills *out, whose places are zeroed. sent: as `send` left it. LF_E_IO. */
+    /* Fills *out, whose places are zeroed. sent: as `send` left it. NULL: nobody can be asked, and
+     * files say where steps run. LF_E_IO. */
     lf_status (*look)(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
                       lf_error *err);
     /* LF_E_BUSY: it has steps of an older plan of this folder, which was removed. NULL: it cannot
@@ -53,7 +54,7 @@ const lf_farm_engine *lf_farm_engine_find(const char *name);
 LF_NODISCARD lf_status lf_farm_queue_read(const lf_farm_job *job, const json_t *sent,
                                           lf_farm_queue *out, lf_error *err);
 void lf_farm_queue_finish(lf_farm_queue *queue);
-/* Notes the steps that run as far as their files say: for engines that cannot be asked. LF_E_IO,
+/* Notes the steps that run as far as their files say, which an engine may not know. LF_E_IO,
  * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_farm_queue_by_files(const lf_farm_job *job, lf_farm_queue *queue,
                                               lf_error *err);

@@ -1,5 +1,6 @@
 #include "daemon/farm/farm_file.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <string.h>
@@ -16,16 +17,23 @@
 
 /* ----------------------------------------------------------------------------------- compare -- */
 
+/* What a call says that has just failed. */
+static lf_farm_file why_not(void)
+{
+    return errno == ENOENT || errno == ENOTDIR ? LF_FARM_FILE_MISSING : LF_FARM_FILE_UNREADABLE;
+}
+
 static lf_farm_file compare_hash(const char *path, const char *hash)
 {
     char found[LF_HASH_TEXT];
     int64_t size = 0;
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    const bool is_read = fd >= 0 && lf_file_hash(fd, found, &size);
-    if (fd >= 0)
-        close(fd);
+    if (fd < 0)
+        return why_not();
+    const bool is_read = lf_file_hash(fd, found, &size);
+    close(fd);
     if (!is_read)
-        return LF_FARM_FILE_MISSING;
+        return LF_FARM_FILE_UNREADABLE;
     return strcmp(found, hash) == 0 ? LF_FARM_FILE_SAME : LF_FARM_FILE_OTHER_BYTES;
 }
 
@@ -34,7 +42,9 @@ static lf_farm_file compare(const char *path, const json_t *note, bool reads)
     const json_t *bytes = json_object_get(note, "bytes");
     const char *hash = json_string_value(json_object_get(note, "sha256"));
     struct stat found;
-    if (stat(path, &found) != 0 || !S_ISREG(found.st_mode))
+    if (stat(path, &found) != 0)
+        return why_not();
+    if (!S_ISREG(found.st_mode))
         return LF_FARM_FILE_MISSING;
     if (!json_is_integer(bytes) || found.st_size != json_integer_value(bytes))
         return LF_FARM_FILE_OTHER_SIZE;
@@ -64,6 +74,9 @@ static lf_status other_release(const char *program, const char *here, const char
 lf_status lf_farm_check_release(const lf_farm_job *job, lf_error *err)
 {
     const char *planned = json_string_value(json_object_get(job->json, "quiltd"));
+    if (job->id[0] == '\0')
+        return lf_error_set(err, LF_E_STATE, job->path,
+                            "was planned by an earlier build; use that build, or plan a new job");
     return planned && strcmp(planned, LF_VERSION) == 0
                ? LF_OK
                : other_release("quiltfarm", LF_VERSION, planned ? planned : "none", err);
@@ -98,26 +111,46 @@ static lf_status check_renderer(const lf_farm_job *job, lf_error *err)
 
 /* ------------------------------------------------------------------------------------ inputs -- */
 
-static lf_status check_inputs(const lf_farm_job *job, lf_error *err)
+static const char *words_of(lf_farm_file found)
+{
+    if (found == LF_FARM_FILE_UNREADABLE)
+        return "cannot be read";
+    return found == LF_FARM_FILE_MISSING ? "is missing since the job was planned"
+                                         : "has changed since the job was planned";
+}
+
+static lf_status check_inputs(const lf_farm_job *job, bool reads, lf_error *err)
 {
     const json_t *note;
     size_t i;
     json_array_foreach(json_object_get(job->plan, "inputs"), i, note)
     {
         const char *name = json_string_value(json_object_get(note, "name"));
-        const lf_farm_file found = lf_farm_file_compare(job->folder, note, true);
+        const lf_farm_file found = lf_farm_file_compare(job->folder, note, reads);
         if (found != LF_FARM_FILE_SAME)
             return lf_error_set(err, LF_E_STATE, name ? name : job->path,
-                                "%s since the job was planned; restore it, or plan a new job",
-                                found == LF_FARM_FILE_MISSING ? "is missing" : "has changed");
+                                "%s; restore it, or plan a new job", words_of(found));
     }
     return LF_OK;
 }
 
-lf_status lf_farm_check_same(const lf_farm_job *job, lf_error *err)
+/* A finish that joins the frames of a film reads nothing else. */
+static bool reads_scene(const lf_farm_job *job, int step)
 {
+    return step < job->n_tasks || !job->join;
+}
+
+lf_status lf_farm_check_same(const lf_farm_job *job, int step, lf_error *err)
+{
+    static bool has_read, has_asked; /* by this process, and all was well */
     lf_status status = lf_farm_check_release(job, err);
-    if (status == LF_OK)
-        status = check_inputs(job, err);
-    return status == LF_OK ? check_renderer(job, err) : status;
+    if (status == LF_OK && reads_scene(job, step)) {
+        status = check_inputs(job, !has_read, err);
+        has_read |= status == LF_OK;
+    }
+    if (status == LF_OK && !has_asked) {
+        status = check_renderer(job, err);
+        has_asked = status == LF_OK;
+    }
+    return status;
 }

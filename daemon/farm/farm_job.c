@@ -277,9 +277,10 @@ static lf_status read_plan(lf_farm_job *job, lf_error *err)
     job->join = json_object_get(job->plan, "join");
     job->folder = json_string_value(json_object_get(job->json, "folder"));
     job->id = json_string_value(json_object_get(job->json, "id"));
+    job->id = job->id ? job->id : ""; /* cancel ends such a job, too */
     job->field_option = json_string_value(json_object_get(job->plan, "field_option"));
     job->threads = (int)json_integer_value(json_object_get(job->plan, "threads"));
-    if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1 || !job->id ||
+    if (json_array_size(job->command) < 2 || !job->folder || job->threads < 1 ||
         job->id[strspn(job->id, "0123456789abcdef")] != '\0')
         return bad_plan(job->path, "a key is missing", err);
     if (!read_range(job->plan, "fields", MOST_STEPS, job->fields))

@@ -40,7 +40,7 @@ typedef struct lf_farm_job {
     const json_t *plan, *command; /* borrowed from json */
     const json_t *join;           /* words of the finish, without the program; NULL: as tasks */
     const char *folder;           /* that words of the command are relative to */
-    const char *id;               /* of this plan: hexadecimal digits */
+    const char *id;               /* of this plan: hexadecimal digits; "": of an earlier build */
     const char *field_option;     /* NULL: no fields */
     bool names_fields;            /* the user's command has the option */
     int fields[2];                /* of the job */

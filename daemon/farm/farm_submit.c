@@ -41,7 +41,7 @@ static bool can_be_reached(const lf_farm_job *job, const lf_farm_result *results
     return true;
 }
 
-/* Nobody has a step of this job any more, so a run that did not end was killed. */
+/* A run that is lost was killed. */
 static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *out, lf_error *err)
 {
     const int n = job->n_tasks + job->n_finishes;
@@ -53,9 +53,9 @@ static lf_status select_steps(const lf_farm_job *job, bool forgives, selection *
     for (int i = 0; i < n && out->wanted; i++) {
         if (results[i].complete)
             continue;
-        if (results[i].is_running || results[i].is_lost)
+        if (results[i].is_lost)
             lf_farm_result_abandon(job, i, &results[i]);
-        const bool given_up = results[i].failures >= LF_FARM_MOST_FAILURES && !forgives;
+        const bool given_up = results[i].is_given_up && !forgives;
         if (results[i].failures > 0 && forgives)
             lf_farm_result_forgive(job, i);
         out->n_given_up += given_up;
@@ -87,18 +87,22 @@ static lf_status remove_differing(const lf_farm_job *job, lf_error *err)
     return status;
 }
 
-/* LF_E_BUSY: the engine has steps of this job, or of a removed one of the same name. */
+/* LF_E_BUSY: the engine has steps of this job, or of a removed one of the same name, or somebody
+ * runs one by hand. */
 static lf_status check_idle(const lf_farm_job *job, const json_t *sent, lf_error *err)
 {
     lf_farm_queue queue;
     json_t *nothing = json_object();
     lf_status status = lf_farm_queue_read(job, sent ? sent : nothing, &queue, err);
+    const int n_sent = queue.n_queued + queue.n_running;
+    if (status == LF_OK && n_sent == 0)
+        status = lf_farm_queue_by_files(job, &queue, err);
     const int n = queue.n_queued + queue.n_running;
     json_decref(nothing);
     lf_farm_queue_finish(&queue);
     if (status == LF_OK && job->engine->check)
         status = job->engine->check(job, sent, err);
-    if (status == LF_OK && n > 0 && job->engine == &lf_farm_slurm)
+    if (status == LF_OK && n_sent > 0 && job->engine == &lf_farm_slurm)
         status = lf_error_set(err, LF_E_BUSY, job->path,
                               "was submitted already: %s has %d of its steps; see quiltfarm status",
                               job->engine->name, n);
@@ -153,9 +157,8 @@ static lf_status tell_and_send(lf_farm_job *job, const selection *s, json_t *rec
 {
     if (s->n_given_up > 0)
         lf_log(LF_LOG_WARNING,
-               "%s: %d step%s failed %d times; see quiltfarm status, then use "
-               "quiltfarm resume",
-               job->path, s->n_given_up, s->n_given_up == 1 ? "" : "s", LF_FARM_MOST_FAILURES);
+               "%s: %d step%s given up; see quiltfarm status, then use quiltfarm resume", job->path,
+               s->n_given_up, s->n_given_up == 1 ? " is" : "s are");
     if (s->n_tasks + s->n_finishes > 0)
         return send_selection(job, s, record, err);
     if (s->n_given_up > 0)

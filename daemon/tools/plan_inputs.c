@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -13,7 +14,7 @@
 static struct {
     pthread_mutex_t lock;
     json_t *names;
-    bool failed;
+    bool failed, paused;
 } inputs = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 /* Files of this process and of its machine mean nothing elsewhere. */
@@ -25,7 +26,7 @@ static bool is_of_machine(const char *path)
 static void note(void *context, const char *path)
 {
     (void)context;
-    if (is_of_machine(path))
+    if (inputs.paused || is_of_machine(path))
         return;
     pthread_mutex_lock(&inputs.lock);
     inputs.failed |= json_object_set_new(inputs.names, path, json_null()) != 0;
@@ -39,19 +40,46 @@ void lf_plan_inputs_begin(void)
     lf_file_on_open(note, NULL);
 }
 
-void lf_plan_inputs_listen(bool on)
+void lf_plan_inputs_pause(bool on)
 {
-    if (inputs.names)
-        lf_file_on_open(on ? note : NULL, NULL);
+    inputs.paused = on;
 }
 
-static int compare(const void *a, const void *b)
+typedef struct input {
+    const char *name;
+    int64_t bytes;
+    bool has_hash;
+} input;
+
+static int by_name(const void *a, const void *b)
 {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
+    return strcmp(((const input *)a)->name, ((const input *)b)->name);
 }
 
-static lf_status add_file(json_t *list, const char *name, lf_error *err)
+static int by_size(const void *a, const void *b)
 {
+    const int64_t x = ((const input *)a)->bytes, y = ((const input *)b)->bytes;
+    return x != y ? (x > y) - (x < y) : by_name(a, b);
+}
+
+/* Leaves the files in the order of names. */
+static void choose_hashed(input *files, size_t n)
+{
+    int64_t sum = 0;
+    struct stat found;
+    for (size_t i = 0; i < n; i++)
+        files[i].bytes = stat(files[i].name, &found) == 0 ? found.st_size : 0;
+    qsort(files, n, sizeof *files, by_size);
+    for (size_t i = 0; i < n; i++) {
+        sum += files[i].bytes;
+        files[i].has_hash = files[i].bytes <= LF_PLAN_HASHED_BYTES && sum <= LF_PLAN_HASHED_SUM;
+    }
+    qsort(files, n, sizeof *files, by_name);
+}
+
+static lf_status add_file(json_t *list, const input *file, lf_error *err)
+{
+    const char *name = file->name;
     char hash[LF_HASH_TEXT];
     uint64_t size = 0;
     int64_t hashed = 0;
@@ -59,7 +87,7 @@ static lf_status add_file(json_t *list, const char *name, lf_error *err)
     lf_status status = lf_file_open(name, NULL, UINT64_MAX, &fd, &size, err);
     if (status != LF_OK)
         return status;
-    const bool is_small = size <= LF_PLAN_HASHED_BYTES,
+    const bool is_small = file->has_hash && size <= LF_PLAN_HASHED_BYTES,
                is_read = !is_small || lf_file_hash(fd, hash, &hashed);
     close(fd);
     if (!is_read)
@@ -75,20 +103,21 @@ static lf_status add_file(json_t *list, const char *name, lf_error *err)
 lf_status lf_plan_inputs_end(json_t **out, lf_error *err)
 {
     const size_t n = json_object_size(inputs.names);
-    const char **names = lf_calloc(n + 1, sizeof *names), *name;
+    input *files = lf_calloc(n + 1, sizeof *files);
+    const char *name;
     json_t *list = json_array(), *value;
     size_t i = 0;
     lf_file_on_open(NULL, NULL);
-    lf_status status = names && list && !inputs.failed
+    lf_status status = files && list && !inputs.failed
                            ? LF_OK
                            : lf_error_set(err, LF_E_NOMEM, "--plan", "out of memory");
-    if (names) {
-        json_object_foreach(inputs.names, name, value) names[i++] = name;
-        qsort((void *)names, n, sizeof *names, compare);
+    if (files) {
+        json_object_foreach(inputs.names, name, value) files[i++].name = name;
+        choose_hashed(files, n);
     }
     for (i = 0; i < n && status == LF_OK; i++)
-        status = add_file(list, names[i], err);
-    lf_free((void *)names);
+        status = add_file(list, &files[i], err);
+    lf_free(files);
     json_decref(inputs.names);
     inputs.names = NULL;
     if (status == LF_OK)

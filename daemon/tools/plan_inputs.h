@@ -7,14 +7,15 @@
 
 #include "base/status.h"
 
-/* A larger file has no hash: its bytes alone stand for it. */
+/* A larger file has no hash: its bytes alone stand for it. The same holds for files beyond the sum,
+ * the largest first: each process of a farm reads them once more. */
 #define LF_PLAN_HASHED_BYTES (16 << 20)
+#define LF_PLAN_HASHED_SUM (64 << 20)
 
 /* From now on every opened file is noted, in any thread. */
 void lf_plan_inputs_begin(void);
-/* Files that are opened before the next call with `on` are outputs: they are not noted. Does
- * nothing before lf_plan_inputs_begin. */
-void lf_plan_inputs_listen(bool on);
+/* Files that are opened meanwhile are no inputs, such as outputs of an earlier run. */
+void lf_plan_inputs_pause(bool on);
 /* Ends it, and makes the list, in the order of names:
  *
  *     [{"name": path as opened, "bytes": n, "sha256": digits, if it is small}, ...]

@@ -134,9 +134,9 @@ static lf_status divide_and_print(const lf_rendering *r, lf_plan *plan, lf_error
 /* Tasks would refuse these files, and keep their options for ever. */
 static lf_status check_kept(lf_rendering *r, lf_error *err)
 {
-    lf_plan_inputs_listen(false);
+    lf_plan_inputs_pause(true);
     const lf_status status = lf_rendering_check_all_kept(r, err);
-    lf_plan_inputs_listen(true);
+    lf_plan_inputs_pause(false);
     return status;
 }
 

@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "daemon/output/content.h"
 #include "daemon/output/hologram.h"
+#include "daemon/tools/plan_inputs.h"
 
 /* CPU seconds per byte of samples, measured (docs/lab/applications.md): hashing files, moving
  * samples to their pictures, and writing these as PNG. */
@@ -158,9 +159,14 @@ lf_status lf_rendering_plate_begin(lf_rendering *r, lf_error *err)
     status = add_hash(r, &settings, job->facts);
     if (status != LF_OK)
         return lf_error_set(err, status, r->path, "out of memory");
+    lf_plan_inputs_pause(true);
     job->is_finished = !frames->overwrite && lf_plate_is_finished(&job->plate, r->path, job->facts);
-    if (job->arguments.plan.on || lf_state_is_all(&job->arguments.state))
-        return lf_plate_check(&job->plate, r->path, job->facts, err);
+    const bool only_checks = job->arguments.plan.on || lf_state_is_all(&job->arguments.state);
+    if (only_checks)
+        status = lf_plate_check(&job->plate, r->path, job->facts, err);
+    lf_plan_inputs_pause(false);
+    if (only_checks)
+        return status;
     return lf_plate_begin(&job->plate, r->path, job->facts,
                           frames->overwrite && job->arguments.hologram.all_rows, err);
 }

@@ -61,6 +61,20 @@ static void a_check_finds_bytes_that_differ_and_resume_repairs_them(void **state
     says(folder, EVERYTHING " && bin/quiltfarm status job --check && " DIRECT " && " SAME, 0, "");
 }
 
+/* As after a bad sector: the size is right, and nobody can read the bytes. */
+static void a_check_lists_files_that_cannot_be_read(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder, EVERYTHING " && chmod 000 out/field_0001.txt && chmod 755 .", 0, "");
+    says(folder,
+         getuid() == 0 ? "setpriv --reuid=65534 --clear-groups bin/quiltfarm status job --check"
+                       : "bin/quiltfarm status job --check",
+         1, "  differs   /");
+    assert_non_null(strstr(got.text, "/out/field_0001.txt: cannot be read"));
+    says(folder, "bin/quiltfarm status job", 0, "complete");
+}
+
 static void only_what_is_missing_is_sent(void **state)
 {
     const char *folder = *state;
@@ -152,8 +166,11 @@ static void a_task_that_fails_leaves_its_words(void **state)
     says(folder, "bin/quiltfarm status job", 0, "failed    task 2, 1 time: quiltrender: cloud.vdb");
     assert_false(is_there(folder, "out/field_0001.txt"));
     says(folder, "bin/quiltfarm task job 2; bin/quiltfarm submit job", 0, "/job 2\n");
-    says(folder, "bin/quiltfarm task job 2; bin/quiltfarm submit job", 0, "1 step failed 3 times");
+    says(folder, "bin/quiltfarm task job 2; bin/quiltfarm submit job", 0, "1 step is given up");
     assert_null(strstr(got.text, "/job 2\n"));
+    /* GNU parallel, which tries again */
+    says(folder, "PARALLEL_SEQ=1 bin/quiltfarm task job 2", 1,
+         "job: task 2 is given up after 3 failures; use quiltfarm resume when this is mended: ");
     says(folder, "mv good scene.json; bin/quiltfarm resume job", 0, "/job 2\n");
     says(folder, EVERYTHING, 0, "");
     assert_state(folder, "complete");
@@ -244,6 +261,21 @@ static void a_file_that_changed_since_the_plan_is_told(void **state)
     assert_false(is_there(folder, "out/field_0000.txt"));
 }
 
+/* A container has the scene under another name: its files mean nothing outside. */
+static void files_that_only_the_renderer_sees_are_unknown(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "echo one > cloud; sed -i '1s/{/{\"inputs\": [\"scene.json\", \"cloud\"],/' scene.json; "
+         "mv bin/quiltrender bin/inside; printf '#!/bin/sh\nexec %s \"$@\" | "
+         "sed s@\\\"cloud\\\"@\\\"/inside/cloud\\\"@\n' \"$PWD/bin/inside\" > "
+         "bin/quiltrender; chmod +x bin/quiltrender",
+         0, "");
+    says(folder, PLAN, 0, "/inside/cloud: is not the same file outside the renderer");
+    says(folder, "bin/quiltfarm task job 0", 0, "is complete");
+    says(folder, "echo ' ' >> scene.json; bin/quiltfarm task job 1", 1, "scene.json: has changed");
+}
+
 static void another_release_is_told(void **state)
 {
     const char *folder = *state;
@@ -273,7 +305,7 @@ static void tasks_that_were_killed_without_a_word_count_as_failed(void **state)
              "bin/quiltfarm submit job 2> said.busy && exit 3; grep -q '1 of its steps run' "
              "said.busy "
              "|| exit 4; kill -9 $task; wait $task 2> /dev/null; bin/quiltfarm submit job; true",
-             0, i < 2 ? "/job 0\n" : "1 step failed 3 times");
+             0, i < 2 ? "/job 0\n" : "1 step is given up");
     assert_failed(folder, "was killed without a word");
     says(folder, "touch now; bin/quiltfarm resume job", 0, "/job 0\n");
     says(folder, EVERYTHING " && " DIRECT " && " SAME, 0, "");
@@ -302,7 +334,8 @@ static void a_full_disk_is_not_tried_again(void **state)
          "scene.json; "
          "bin/quiltfarm task job 2",
          1, "No space left on device");
-    says(folder, "bin/quiltfarm submit job", 0, "1 step failed 3 times");
+    says(folder, "bin/quiltfarm submit job", 0, "1 step is given up");
+    says(folder, "bin/quiltfarm status job", 0, "failed    task 2, 1 time: ");
     says(folder, "mv good scene.json; PARALLEL_SEQ=1 bin/quiltfarm task job 2", 1,
          "No space left on device");
     says(folder, "PARALLEL_SEQ=1 bin/quiltfarm task job 1", 0, "is complete");
@@ -313,8 +346,21 @@ static void a_full_disk_is_not_tried_again(void **state)
          "sed -i 's/\"state_bytes\": 2.*,/\"state_bytes\": 1e18,/' job/job.json; bin/quiltfarm "
          "task job 3",
          1, "and a task needs 1000 PB; make room, and resume the job");
-    says(folder, "bin/quiltfarm submit job", 0, "1 step failed 3 times");
+    says(folder, "bin/quiltfarm submit job", 0, "1 step is given up");
+    says(folder, "bin/quiltfarm status job", 0, "failed    task 3, 1 time: ");
     assert_false(is_there(folder, "job/log/task_3.log"));
+}
+
+/* A finish writes little, and then removes the states that fill the disk. */
+static void a_finish_is_not_stopped_for_room(void **state)
+{
+    const char *folder = *state;
+    plan(folder);
+    says(folder,
+         "sh -e job/tasks && sed -i 's/\"state_bytes\": 2.*,/\"state_bytes\": 1e18,/' "
+         "job/job.json; bin/quiltfarm merge job",
+         0, "job: complete");
+    says(folder, "ls job/states | wc -l", 0, "0\n");
 }
 
 /* The files of this process may have so many blocks: the disk is full as soon as job.json is. */
@@ -509,6 +555,7 @@ int main(void)
         in_folder(tasks_and_a_merge_make_what_one_run_makes),
         in_folder(a_step_is_complete_while_its_files_have_their_sizes),
         in_folder(a_check_finds_bytes_that_differ_and_resume_repairs_them),
+        in_folder(a_check_lists_files_that_cannot_be_read),
         in_folder(only_what_is_missing_is_sent),
         in_folder(an_older_state_of_a_lost_machine_is_not_merged),
         in_folder(a_damaged_state_is_made_again),
@@ -520,10 +567,12 @@ int main(void)
         in_folder(a_task_that_could_not_save_has_failed),
         in_folder(a_signal_to_all_processes_saves_the_state),
         in_folder(a_file_that_changed_since_the_plan_is_told),
+        in_folder(files_that_only_the_renderer_sees_are_unknown),
         in_folder(another_release_is_told),
         in_folder(tasks_that_were_killed_without_a_word_count_as_failed),
         in_folder(a_step_that_runs_elsewhere_is_not_sent_again),
         in_folder(a_full_disk_is_not_tried_again),
+        in_folder(a_finish_is_not_stopped_for_room),
         in_folder(a_plan_that_fails_leaves_no_folder),
         in_folder(mistakes_on_the_command_line_are_told),
         in_folder(a_folder_that_holds_the_scene_becomes_a_job),

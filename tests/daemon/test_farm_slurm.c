@@ -142,6 +142,45 @@ static void a_task_that_was_cancelled_does_not_return_to_the_queue(void **state)
                2, "75\n");
 }
 
+/* Slurm does not know what somebody runs by hand. */
+static void a_task_that_runs_by_hand_is_not_sent(void **state)
+{
+    const char *folder = *state;
+    plan_slurm(folder, "");
+    slurm_says(
+        folder,
+        "sed -i 's/\"wait\": 0.01/\"until\": \"now\"/' scene.json; bin/quiltfarm task job 0 & "
+        "task=$!; until grep -qs 'from pass' job/log/task_0.log; do sleep 0.1; done; "
+        "bin/quiltfarm submit job; echo \"submit: $?\"; ls job/done; "
+        "bin/quiltfarm status job; touch now; wait $task",
+        0, "1 of its steps run, or were lost in the last 5 minutes");
+    assert_non_null(strstr(got.text, "submit: 1\ntask_0.running\n"));
+    assert_non_null(strstr(got.text, "0 of 5 complete, 1 running, 0 failed"));
+    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm");
+    says(folder, "echo '{\"host\": \"elsewhere\", \"pid\": 1}' > job/done/task_1.running", 0, "");
+    slurm_says(folder, "bin/quiltfarm status job", 0, "1 of 5 complete, 1 running, 0 failed");
+}
+
+/* A job of an earlier build, whose plans had no id, may still be queued. */
+static void a_job_without_an_id_can_be_cancelled(void **state)
+{
+    const char *folder = *state;
+    plan_slurm(folder, "");
+    slurm_says(folder, "bin/quiltfarm submit job", 0, "sent to Slurm as job-");
+    says(folder,
+         "sed -i '/^ \"id\": /d' job/job.json; sed -n 's/.*--job-name=\\(job-[0-9a-f]*\\)-.*/"
+         "\\1/p' sbatch.log | sort -u > names",
+         0, "");
+    slurm_says(folder, "bin/quiltfarm status job", 0, "0 of 5 complete");
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "was planned by an earlier build");
+    slurm_says(folder, "bin/quiltfarm task job 0", 1, "was planned by an earlier build");
+    slurm_says(folder, "bin/quiltfarm cancel job", 0, "cancelled; running tasks save first");
+    says(folder, "grep -q -e \"--name=$(cat names) \" scancel.log", 0, "");
+    says(folder, "rm -r job", 0, "");
+    plan_slurm(folder, "");
+    slurm_says(folder, "bin/quiltfarm submit job", 1, "of an older plan");
+}
+
 /* Who does not like a plan removes its folder, and plans again under the same name. */
 static void jobs_of_a_removed_folder_are_told_and_cancelled(void **state)
 {
@@ -271,6 +310,8 @@ int main(void)
         in_folder(a_nearly_full_cluster_gets_several_tasks_in_a_job),
         in_folder(the_queue_is_shown_and_not_sent_twice),
         in_folder(a_task_that_was_cancelled_does_not_return_to_the_queue),
+        in_folder(a_task_that_runs_by_hand_is_not_sent),
+        in_folder(a_job_without_an_id_can_be_cancelled),
         in_folder(jobs_of_a_removed_folder_are_told_and_cancelled),
         in_folder(a_submission_ends_when_it_is_cancelled),
         in_folder(slots_hold_for_all_arrays_together),

@@ -153,6 +153,52 @@ static void a_plan_notes_the_files_that_it_has_read(void **state)
     json_decref(p);
 }
 
+/* What a job has written is no input of the next plan: a missing row would never be made again. */
+static void outputs_are_no_inputs(void **state)
+{
+    const qr_files *f = *state;
+    char scene[PATH_MAX];
+    snprintf(scene, sizeof scene, "%s", grid_of(f));
+    for (int is_all = 0; is_all < 2; is_all++) {
+        qr_succeed("%s -o %s/plate/ --hologram views --spp 1 %s " SIZE, scene, f->folder,
+                   is_all ? "" : "--camera-rows 1:1");
+        json_t *p =
+            plan("--plan --json %s -o %s/plate/ --hologram views --spp 1 " SIZE, scene, f->folder);
+        assert_int_equal(count(p, "inputs"), 2);
+        assert_non_null(input(p, f->folder, "fog.json"));
+        json_decref(p);
+    }
+}
+
+/* Every process of a farm reads what has a hash. */
+static void hashes_are_of_the_smaller_files_up_to_a_sum(void **state)
+{
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const qr_files *f = *state;
+    char scene[2048], path[32];
+    size_t n = (size_t)snprintf(scene, sizeof scene, "{ \"include\": \"fog.json\", \"meshes\": { ");
+    for (int i = 0; i < 6; i++) {
+        snprintf(path, sizeof path, "large_%d.obj", i);
+        char *data = malloc(12 << 20);
+        assert_non_null(data);
+        memset(data, '\n', 12 << 20);
+        memcpy(data, obj, sizeof obj - 1);
+        data[(12 << 20) - 1] = '\0';
+        lf_test_write(f->folder, path, data);
+        free(data);
+        n += (size_t)snprintf(scene + n, sizeof scene - n, "%s\"m%d\": { \"file\": \"%s\" }",
+                              i > 0 ? ", " : "", i, path);
+    }
+    snprintf(scene + n, sizeof scene - n, " } }\n");
+    json_t *p = plan("--plan --json %s -o %s/one.png --spp 1 " SIZE,
+                     lf_test_write(f->folder, "sum.json", scene), f->folder);
+    assert_int_equal(count(p, "inputs"), 8);
+    assert_true(json_is_string(json_object_get(input(p, f->folder, "sum.json"), "sha256")));
+    assert_true(json_is_string(json_object_get(input(p, f->folder, "large_4.obj"), "sha256")));
+    assert_null(json_object_get(input(p, f->folder, "large_5.obj"), "sha256"));
+    json_decref(p);
+}
+
 /* The highest row of cameras, the last, meets a fog with many collisions, the lowest nothing: the
  * work of their tasks differs by more than ten, which the plan must tell to a factor of two. */
 static void rows_that_see_less_take_less_time(void **state)
@@ -250,6 +296,11 @@ static void a_grid_in_one_output_is_joined(void **state)
     assert_member(item(p, "finishes", 0), "fields", "null");
     assert_member(item(p, "finishes", 0), "tasks", "[0,2]");
     assert_false(has_word(p, "command", "--files"));
+    json_decref(p);
+    p = plan("--plan --json --task-minutes 0 %s -o %s/all.png --spp 1 " SIZE, grid_of(f),
+             f->folder);
+    assert_member(p, "kind", "\"quilt\"");
+    assert_int_equal(whole_of(p, "views"), 6);
     json_decref(p);
 }
 
@@ -528,6 +579,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(rows_of_cameras_are_tasks, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_plan_notes_the_files_that_it_has_read, qr_set_up,
+                                        qr_tear_down),
+        cmocka_unit_test_setup_teardown(outputs_are_no_inputs, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(hashes_are_of_the_smaller_files_up_to_a_sum, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(rows_that_see_less_take_less_time, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
