@@ -71,7 +71,7 @@ LF_NODISCARD lf_status lf_png_measure(const char *path, const lf_roots *roots, i
                                       int *out_height, lf_error *err);
 
 /* Size of a value of lf_png_texts with its NUL. */
-#define LF_PNG_TEXT 256
+#define LF_PNG_TEXT 320
 /* The values of a PNG file's text attributes (tEXt) with these names, from its chunks alone; "":
  * there is none. Longer ones are cut. Errors as of lf_png_measure. */
 LF_NODISCARD lf_status lf_png_texts(const char *path, const lf_roots *roots,

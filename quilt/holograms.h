@@ -41,7 +41,7 @@ typedef struct lf_plate {
     int columns, rows; /* cameras */
     int width, height; /* of a camera's picture, in pixels */
     int parts;         /* a row of cameras is rendered in this many equal parts, from the left */
-    int per_metre[2];  /* cells across and down; 0: unknown */
+    int microns[2];    /* size of the plate; 0: unknown */
     lf_plate_form form;
     lf_plate_format format;
     lf_plate_flips flips;

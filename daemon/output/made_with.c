@@ -19,6 +19,12 @@ void lf_made_with_read(const char *path, lf_made_with *out)
         *out = (lf_made_with){0};
 }
 
+static const char *without_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 void lf_made_with_settings(const json_t *settings, lf_made_with *out)
 {
     output_attributes attributes;
@@ -27,14 +33,19 @@ void lf_made_with_settings(const json_t *settings, lf_made_with *out)
     for (int i = 0; i < attributes.n; i++)
         for (int k = 0; k < LF_MADE_WITH_KEYS; k++)
             if (strcmp(attributes.name[i], names[k]) == 0)
-                snprintf(out->value[k], sizeof out->value[k], "%.*s", LF_PNG_TEXT - 1,
-                         attributes.value[i]);
+                snprintf(out->value[k], sizeof out->value[k], "%s", attributes.value[i]);
+    /* whole, although attributes are cut */
+    const char *scene = json_string_value(json_object_get(settings, "scene"));
+    snprintf(out->value[SCENE], sizeof out->value[SCENE], "%s", scene ? without_folder(scene) : "");
 }
 
+/* "": not known, also if it may have been cut. */
 static const char *told(const lf_made_with *of, int key)
 {
-    const char *slash = key == SCENE ? strrchr(of->value[key], '/') : NULL;
-    return slash ? slash + 1 : of->value[key];
+    const char *value = of->value[key];
+    if (strlen(value) == LF_PNG_TEXT - 1)
+        return "";
+    return key == SCENE ? without_folder(value) : value;
 }
 
 bool lf_made_with_differs(const lf_made_with *is, const lf_made_with *expected, char *words,

@@ -20,8 +20,8 @@ void lf_made_with_read(const char *path, lf_made_with *out);
 /* Of the settings that a file will have. */
 void lf_made_with_settings(const json_t *settings, lf_made_with *out);
 /* The first key that both know and that differs: "exposure -3, not 0", the value of `is` first.
- * False: there is none. Scenes are compared without their folders, and exposures unless they have
- * keys. */
+ * False: there is none. Scenes are compared without their folders, exposures unless they have keys,
+ * and values that may have been cut not at all. */
 bool lf_made_with_differs(const lf_made_with *is, const lf_made_with *expected, char *words,
                           size_t size);
 

@@ -183,11 +183,8 @@ lf_status lf_hologram_plate(const lf_hologram_options *options, const lf_render_
         status = lf_plate_flips_read(options->flip ? options->flip : "", &plate.flips, err);
     if (status != LF_OK)
         return status;
-    const lf_plate_place n = lf_plate_size(&plate);
-    if (options->width_mm > 0) {
-        plate.per_metre[0] = (int)lround(1000 * n.hx / options->width_mm);
-        plate.per_metre[1] = (int)lround(1000 * n.hy / options->height_mm);
-    }
+    plate.microns[0] = (int)lround(1000 * options->width_mm);
+    plate.microns[1] = (int)lround(1000 * options->height_mm);
     *out = plate;
     return LF_OK;
 }
@@ -346,10 +343,9 @@ static json_t *cameras_of(const lf_camera *camera)
 }
 
 /* The hogels of a printer that takes finer pixels, in place of the cells. */
-static void put_hogels(const lf_hologram_preset *preset, const int hogels[2], const lf_plate *plate,
-                       json_t *made)
+static void put_hogels(const double mm[2], const int hogels[2], const lf_plate *plate, json_t *made)
 {
-    const double pitch[2] = {preset->pitch_mm, preset->pitch_mm};
+    const double pitch[2] = {mm[0] / hogels[0], mm[1] / hogels[1]};
     json_object_set_new(made, "pixels", json_pack("[i,i]", plate->width, plate->height));
     json_object_set(made, "pixel_pitch_mm", json_object_get(made, "hogel_pitch_mm"));
     json_object_set_new(made, "hogels", json_pack("[i,i]", hogels[0], hogels[1]));
@@ -384,7 +380,7 @@ json_t *lf_hologram_facts(const lf_hologram_options *options, const lf_plate *pl
     if (made && preset)
         json_object_set_new(made, "preset_note", json_string(preset->note));
     if (made && preset && find_hogels(options, settings, hogels))
-        put_hogels(preset, hogels, plate, made);
+        put_hogels(mm, hogels, plate, made);
     if (made)
         json_object_set_new(made, "units",
                             json_string("scene units; degrees; shift in cells, [u, v]"));

@@ -167,8 +167,8 @@ static lf_status open_files(int *fds, int n, const char *where, lf_error *err)
 }
 
 /* Writes the rows as a low picture of this kind. */
-static lf_status write_picture(answer *a, const lf_output_kind *kind, const int *fds, int n_fds,
-                               lf_error *err)
+static lf_status write_picture(answer *a, const lf_plan *plan, const lf_output_kind *kind,
+                               const int *fds, int n_fds, lf_error *err)
 {
     const lf_rendering *r = a->r;
     const lf_render_arguments *of = r->arguments;
@@ -203,6 +203,10 @@ static lf_status write_picture(answer *a, const lf_output_kind *kind, const int 
                                  .pool = r->pool,
                                  .cancel = r->cancel};
     request.layout.view_height = low.height;
+    if (plan->n_rows > 1) { /* one row of cameras of a grid */
+        request.layout.columns = request.layout.n_views = low.camera.n_views;
+        request.layout.rows = 1;
+    }
     a->share = kind->check_print   ? share
                : kind->needs_panel ? 1
                                    : (double)low.height / a->pilot->height;
@@ -222,7 +226,7 @@ static lf_status write_files(answer *a, const lf_plan *plan, double *out_cpu, lf
     if (status == LF_OK) {
         lf_process_forget_peak();
         const double before = lf_process_memory(), start = lf_time_cpu();
-        status = write_picture(a, kind, fds, n, err);
+        status = write_picture(a, plan, kind, fds, n, err);
         *out_cpu = lf_time_cpu() - start;
         a->writing = fmax(0, lf_process_peak() - before);
     }

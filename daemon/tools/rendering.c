@@ -240,6 +240,14 @@ static lf_status save_row(lf_rendering *r, const lf_budget *budget, float *film,
     return LF_OK;
 }
 
+lf_render_settings lf_rendering_row_settings(const lf_rendering *r)
+{
+    lf_render_settings settings = r->settings;
+    settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
+    settings.seed = lf_rows_seed(r->settings.seed, r->camera_row);
+    return settings;
+}
+
 /* Every row of a grid is a rig with a seed of its own. row_film, row_layers: buffers for one row;
  * NULL: only states are made. */
 static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_film,
@@ -250,9 +258,7 @@ static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_f
     lf_status status = LF_OK;
     for (r->camera_row = 0; status == LF_OK && r->camera_row < lf_rendering_camera_rows(r);
          r->camera_row++) {
-        lf_render_settings settings = r->settings;
-        settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
-        settings.seed = lf_rows_seed(r->settings.seed, r->camera_row);
+        const lf_render_settings settings = lf_rendering_row_settings(r);
         status = begin(r, &settings, err);
         if (status == LF_OK && r->arguments->state.file && !r->gathered)
             status = save_row(r, budget, row_film, err);

@@ -107,6 +107,8 @@ LF_NODISCARD lf_status lf_rendering_check_picture(const lf_rendering *r, int fra
 /* Checks that the files of the current frame, which are kept, have the settings of this job.
  * LF_E_STATE. */
 LF_NODISCARD lf_status lf_rendering_check_kept(const lf_rendering *r, lf_error *err);
+/* The same for all files that a sequence would keep. Leaves the current frame as it was. */
+LF_NODISCARD lf_status lf_rendering_check_all_kept(lf_rendering *r, lf_error *err);
 /* Adds to the settings of a picture what frames are compared by: its budget, and whether the
  * exposure has keys. */
 void lf_rendering_note_made(const lf_rendering *r, json_t *made);
@@ -143,6 +145,8 @@ bool lf_rendering_is_print_row(const lf_rendering *r);
 LF_NODISCARD lf_status lf_rendering_print_row(lf_rendering *r, lf_error *err);
 /* Rows of a camera grid; 1: not a grid. */
 int lf_rendering_camera_rows(const lf_rendering *r);
+/* The settings of the current row of cameras, which has a seed of its own. */
+lf_render_settings lf_rendering_row_settings(const lf_rendering *r);
 /* The budget of one row of cameras. Budgets apply to each row, except times, which are divided. */
 lf_budget lf_rendering_budget(const lf_rendering *r);
 /* Sets r->path to the final name of a frame of a sequence. */
@@ -177,11 +181,21 @@ bool lf_rendering_is_track(const lf_rendering *r);
 /* The state file of the current frame or row; of a row of cameras, if one output has several.
  * Caller frees; NULL = out of memory. */
 char *lf_rendering_state_current(const lf_rendering *r, int camera_row);
-/* Removes the states of the current frame or row, whose files are there; and one. Files that are no
- * states stay. */
+/* Removes the states of the current frame or row, which this run has rendered and written; and one.
+ * Files that are no states stay. */
 void lf_rendering_state_remove(const lf_rendering *r);
 void lf_rendering_state_remove_at(const lf_rendering *r, int frame, int camera_row,
                                   int shutter_part);
+/* Removes a state whose files were there before this run, if it is complete, of this job, and, for
+ * whole frames, not newer than the files. Otherwise it stays, and a warning says why. field and
+ * budget: as of lf_rendering_state_spend; nothing is rendered. */
+void lf_rendering_state_remove_known(lf_rendering *r, const lf_saved_field *field,
+                                     const lf_budget *budget);
+/* The same for the states of the current frame or row, whose scene and settings r has. Errors of
+ * renderers. */
+LF_NODISCARD lf_status lf_rendering_state_remove_kept(lf_rendering *r, lf_error *err);
+/* Warns that a state stays. */
+void lf_rendering_state_stays(lf_rendering *r, const char *path, const lf_error *why);
 /* Renders r->scene; does nothing for a finished light field. If the state is the only output, r has
  * no picture afterwards. */
 LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);

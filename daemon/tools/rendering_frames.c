@@ -70,6 +70,22 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     return LF_OK;
 }
 
+lf_status lf_rendering_check_all_kept(lf_rendering *r, lf_error *err)
+{
+    const lf_frames *frames = &r->arguments->frames;
+    const int current = r->sequence.frame;
+    bool kept;
+    lf_status status = LF_OK;
+    if (!r->sequence.on || r->sequence.plate)
+        return LF_OK;
+    for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
+        status = take_frame(r, frame, &kept, err);
+        if (kept && status == LF_OK)
+            status = lf_rendering_check_kept(r, err);
+    }
+    return status == LF_OK ? take_frame(r, current, &kept, err) : status;
+}
+
 lf_status lf_rendering_patched(lf_rendering *r, const json_t *patch, const lf_scene *previous,
                                lf_scene **out, lf_error *err)
 {
@@ -116,15 +132,46 @@ static lf_status take_picture(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Removes the states of the current frame, whose files are there. An earlier run may have ended
- * before it did. */
-static void remove_states(const lf_rendering *r, const lf_shared_frames *shared)
+/* Whether a state of the current frame is there, of any job. */
+static bool has_state(const lf_rendering *r)
+{
+    bool has = false;
+    for (int row = 0; row < lf_rendering_camera_rows(r) && !has; row++) {
+        char *path = lf_rendering_state_current(r, row);
+        has = path && access(path, F_OK) == 0;
+        lf_free(path);
+    }
+    return has;
+}
+
+/* An earlier run may have ended before it removed the states of the current frame, whose files are
+ * there. They may be of another job. */
+static void remove_kept(lf_rendering *r, const lf_camera *camera)
+{
+    lf_error err = {0};
+    if (!has_state(r))
+        return;
+    lf_status status =
+        r->arguments->frames.of_rows ? lf_rendering_resolve(r, &err) : load_frame(r, camera, &err);
+    if (status == LF_OK)
+        status = lf_rendering_state_remove_kept(r, &err);
+    if (status != LF_OK)
+        lf_rendering_state_stays(r, r->arguments->state.file, &err);
+}
+
+/* Removes the states of the current frame, whose files are there: written by this run, or kept. */
+static void remove_states(lf_rendering *r, lf_shared_frames *shared, const lf_camera *camera,
+                          bool kept)
 {
     const lf_state_arguments *state = &r->arguments->state;
     if (!state->file || r->video || lf_state_is_all(state))
         return;
-    lf_rendering_state_remove(r);
-    lf_shared_frames_remove_states(shared, r);
+    if (shared)
+        lf_shared_frames_remove_states(shared, r, kept);
+    else if (kept)
+        remove_kept(r, camera);
+    else
+        lf_rendering_state_remove(r);
 }
 
 static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_camera *camera,
@@ -178,10 +225,11 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;
         status = take_frame(r, frame, &kept, err);
-        if (status == LF_OK && !kept && wanted[frame - frames->first])
+        const bool is_made = !kept && wanted[frame - frames->first];
+        if (status == LF_OK && is_made)
             status = of_pictures ? take_picture(r, err) : make_frame(r, shared, &camera, err);
-        if (status == LF_OK)
-            remove_states(r, shared);
+        if (status == LF_OK && (kept || is_made))
+            remove_states(r, shared, &camera, kept);
     }
     r->gathered = NULL;
     lf_shared_frames_destroy(shared);

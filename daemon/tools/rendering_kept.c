@@ -65,9 +65,10 @@ lf_status lf_rendering_check_kept(const lf_rendering *r, lf_error *err)
         lf_made_with_read(file, &is);
         lf_made_with_settings(settings, &expected);
         if (lf_made_with_differs(&is, &expected, words, sizeof words))
-            status = lf_error_set(err, LF_E_STATE, file,
-                                  "exists and was rendered with %s; %s, or keep it with --mixed",
-                                  words, a->state.file ? "remove it" : "use --overwrite");
+            status =
+                lf_error_set(err, LF_E_STATE, file,
+                             "exists and was rendered with %s; %s, or keep it with --mixed", words,
+                             a->state.file || a->plan.on ? "remove it" : "use --overwrite");
     }
     json_decref(settings);
     lf_free(file);

@@ -5,6 +5,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/tools/plan.h"
+#include "daemon/tools/plan_inputs.h"
 #include "daemon/tools/rendering_plate.h"
 #include "daemon/tools/rendering_shared.h"
 
@@ -130,12 +131,21 @@ static lf_status divide_and_print(const lf_rendering *r, lf_plan *plan, lf_error
     return status;
 }
 
+/* Tasks would refuse these files, and keep their options for ever. */
+static lf_status check_kept(lf_rendering *r, lf_error *err)
+{
+    lf_plan_inputs_pause(true);
+    const lf_status status = lf_rendering_check_all_kept(r, err);
+    lf_plan_inputs_pause(false);
+    return status;
+}
+
 lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    lf_status status = LF_OK;
     lf_plan plan = {0};
-    if (a->frames.of_rows) {
+    lf_status status = check_kept(r, err);
+    if (status == LF_OK && a->frames.of_rows) {
         r->sequence.frame = (a->frames.first + a->frames.last) / 2;
         status = lf_rendering_resolve(r, err);
     }

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -287,15 +288,34 @@ static int next_wanted(const lf_shared_frames *s, const lf_rendering *r)
     return frame <= frames->last ? frame : frame + s->n_parts;
 }
 
-void lf_shared_frames_remove_states(const lf_shared_frames *shared, const lf_rendering *r)
+/* A part of kept frames. */
+static void remove_kept(lf_shared_frames *s, lf_rendering *r, int64_t part)
 {
-    if (!shared)
-        return;
+    const int frame = (int)(part / s->a_frame), number = (int)(part % s->a_frame);
+    char *path = lf_rendering_state_path(r, frame, -1, number);
+    lf_error err = {0};
+    if (path && access(path, F_OK) == 0) {
+        if (begin_part(s, r, part, &err) == LF_OK) {
+            const lf_saved_field field = {s->renderer, frame, number, NULL, NULL};
+            const lf_budget budget = budget_of(s, r);
+            lf_rendering_state_remove_known(r, &field, &budget);
+        } else {
+            lf_rendering_state_stays(r, path, &err);
+        }
+    }
+    lf_free(path);
+}
+
+void lf_shared_frames_remove_states(lf_shared_frames *shared, lf_rendering *r, bool kept)
+{
     const int64_t first = (int64_t)r->sequence.frame * shared->a_frame,
                   next = (int64_t)next_wanted(shared, r) * shared->a_frame;
     for (int64_t part = first; part < first + shared->n_parts && part < next; part++)
-        lf_rendering_state_remove_at(r, (int)(part / shared->a_frame), -1,
-                                     (int)(part % shared->a_frame));
+        if (kept)
+            remove_kept(shared, r, part);
+        else
+            lf_rendering_state_remove_at(r, (int)(part / shared->a_frame), -1,
+                                         (int)(part % shared->a_frame));
 }
 
 lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r, lf_error *err)

@@ -30,8 +30,9 @@ LF_NODISCARD lf_status lf_shared_frames_create(const lf_rendering *r, const bool
  * r->gathered. Frames must come in order. LF_E_CANCELLED; errors of scenes. */
 LF_NODISCARD lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r,
                                              lf_error *err);
-/* Removes the states of parts that no frame after the current one needs. shared NULL: none. */
-void lf_shared_frames_remove_states(const lf_shared_frames *shared, const lf_rendering *r);
+/* Removes the states of parts that no frame after the current one needs. kept: this run has not
+ * rendered the current frame, so only complete states of this job are removed. */
+void lf_shared_frames_remove_states(lf_shared_frames *shared, lf_rendering *r, bool kept);
 /* Accepts NULL. */
 void lf_shared_frames_destroy(lf_shared_frames *shared);
 

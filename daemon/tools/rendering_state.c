@@ -1,11 +1,13 @@
 /* --state: saves the film of each light field at intervals and when the job is stopped, and resumes
  * from it. */
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "daemon/output/output.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering.h"
 
@@ -68,7 +70,7 @@ static lf_job_place place_of(const lf_rendering *r, const lf_saved_field *field)
     return place;
 }
 
-/* Removes a state, and no other file that has its name. */
+/* Removes a state that this run has made or continued, and no other file that has its name. */
 static void remove_state(const char *path)
 {
     json_t *head = NULL;
@@ -265,4 +267,69 @@ lf_status lf_rendering_state_spend(lf_rendering *r, const lf_saved_field *field,
         status = lf_render_fill(field->renderer, budget, a->options.estimator, r->cancel,
                                 &r->state.times);
     return status == LF_E_CANCELLED ? lf_rendering_interrupted(r, err) : status;
+}
+
+/* ------------------------------------------------------------------------------- kept frames -- */
+
+void lf_rendering_state_stays(lf_rendering *r, const char *path, const lf_error *why)
+{
+    const bool elsewhere = strcmp(why->where, path) != 0;
+    lf_progress_line_clear(&r->line);
+    lf_log(LF_LOG_WARNING, "%s: stays: %s%s%s", path, elsewhere ? why->where : "",
+           elsewhere ? ": " : "", why->what);
+}
+
+/* Whether the state was saved after the files of the current frame were written, which then lack
+ * its samples. Rows of a plate have receipts, and parts of shutters are of several frames. */
+static bool is_newer(const lf_rendering *r, const lf_saved_field *field)
+{
+    struct stat state, written;
+    if (r->sequence.plate || field->shutter_part >= 0)
+        return false;
+    char *file = lf_output_file_name(lf_rendering_kind(r), r->path, 0);
+    const bool are_there = file && stat(file, &written) == 0 && stat(r->state.path, &state) == 0;
+    lf_free(file);
+    return !are_there || state.st_mtim.tv_sec > written.st_mtim.tv_sec ||
+           (state.st_mtim.tv_sec == written.st_mtim.tv_sec &&
+            state.st_mtim.tv_nsec > written.st_mtim.tv_nsec);
+}
+
+void lf_rendering_state_remove_known(lf_rendering *r, const lf_saved_field *field,
+                                     const lf_budget *budget)
+{
+    const lf_job_place place = place_of(r, field);
+    lf_job_progress there = {0};
+    work w = {.field = field, .budget = budget};
+    lf_error err = {0};
+    lf_status status = begin(r, &place, &w, &err);
+    const char *path = r->state.path ? r->state.path : r->arguments->state.file;
+    if (status == LF_OK && access(path, F_OK) == 0) {
+        status = lf_job_state_check(path, w.of, &there, &err);
+        if (status == LF_OK && (!there.complete || is_newer(r, field)))
+            status = lf_error_set(&err, LF_E_STATE, path,
+                                  "the kept files may lack its %.4g spp; remove it, or the files "
+                                  "to continue",
+                                  spp(r, (double)there.times.passes));
+        if (status == LF_OK)
+            unlink(path);
+    }
+    json_decref(w.of);
+    if (status != LF_OK)
+        lf_rendering_state_stays(r, path, &err);
+}
+
+lf_status lf_rendering_state_remove_kept(lf_rendering *r, lf_error *err)
+{
+    const lf_budget budget = lf_rendering_budget(r);
+    lf_status status = LF_OK;
+    for (r->camera_row = 0; status == LF_OK && r->camera_row < lf_rendering_camera_rows(r);
+         r->camera_row++) {
+        const lf_render_settings settings = lf_rendering_row_settings(r);
+        lf_saved_field field = {NULL, -1, -1, NULL, NULL};
+        status = lf_renderer_create(r->scene, &settings, r->pool, &field.renderer, err);
+        if (status == LF_OK)
+            lf_rendering_state_remove_known(r, &field, &budget);
+        lf_renderer_destroy(field.renderer);
+    }
+    return status;
 }

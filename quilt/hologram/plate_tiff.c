@@ -22,6 +22,7 @@ enum {
     TIFF_HEAD = TIFF_TEXT + TIFF_TEXT_BYTES,
     NO_UNIT = 1,
     CENTIMETRE = 3,
+    MICRONS = 10000, /* in a centimetre */
 };
 
 typedef struct profile {
@@ -80,13 +81,15 @@ static uint8_t *put_entry(uint8_t *at, int tag, int type, uint32_t n, uint32_t v
     return at + 12;
 }
 
-/* Only pixels of views are cells, which have a size. */
-static uint32_t put_resolutions(const lf_plate *plate, uint8_t *head)
+/* Only pixels of views are cells, which have a size. The fractions are exact: printers lay out by
+ * them. */
+static uint32_t put_resolutions(const lf_plate *plate, int width, int height, uint8_t *head)
 {
-    const bool is_known = plate->form == LF_PLATE_VIEWS && plate->per_metre[0] > 0;
+    const bool is_known = plate->form == LF_PLATE_VIEWS && plate->microns[0] > 0;
+    const int n[2] = {width, height};
     for (int i = 0; i < 2; i++) {
-        put(is_known ? (uint32_t)plate->per_metre[i] : 1, 4, head + TIFF_RESOLUTIONS + 8 * i);
-        put(is_known ? 100 : 1, 4, head + TIFF_RESOLUTIONS + 8 * i + 4);
+        put(is_known ? (uint32_t)n[i] * MICRONS : 1, 4, head + TIFF_RESOLUTIONS + 8 * i);
+        put(is_known ? (uint32_t)plate->microns[i] : 1, 4, head + TIFF_RESOLUTIONS + 8 * i + 4);
     }
     return is_known ? CENTIMETRE : NO_UNIT;
 }
@@ -95,7 +98,8 @@ static void put_head(const lf_plate *plate, int width, int height, uint32_t byte
                      uint32_t profile_size, uint8_t head[TIFF_HEAD])
 {
     static const char program[] = "quiltd " LF_VERSION;
-    const uint32_t channels = plate->is_grey ? 1 : 3, unit = put_resolutions(plate, head);
+    const uint32_t channels = plate->is_grey ? 1 : 3,
+                   unit = put_resolutions(plate, width, height, head);
     static_assert(sizeof program > 4 && sizeof program <= TIFF_TEXT_BYTES, "it has its place");
     memcpy(head, "II*\0\10", 5);
     put(TIFF_ENTRIES, 2, head + 8);

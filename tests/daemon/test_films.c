@@ -412,6 +412,32 @@ static void frames_of_one_scene_may_differ(void **state)
                     "frame; render it again, or join all with --mixed; use --frames 1:4");
 }
 
+/* Paths that PNG files hold whole, and that they cut. */
+static void long_paths_of_scenes_may_differ(void **state)
+{
+    static const int lengths[] = {120, 190};
+    const qr_files *f = *state;
+    char scene[PATH_MAX], command[4 * PATH_MAX];
+    snprintf(scene, sizeof scene, "%s", film(f, "film.json", "{}"));
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
+        const int n = lengths[i], frame = 2 * (int)i + 1;
+        char folder[PATH_MAX];
+        snprintf(folder, sizeof folder, "%s/%0*d/%0*d", f->folder, n, 0, n, 0);
+        snprintf(command, sizeof command, "mkdir -p %s && cp %s %s", folder, scene, folder);
+        assert_int_equal(system(command), 0); /* NOLINT(cert-env33-c): a test */
+        qr_succeed("%s/film.json -o %s/l.png --frames %d:%d --spp 1 " QUILTS, folder, f->folder,
+                   frame, frame);
+        qr_succeed("%s -o %s/l.png --frames %d:%d --spp 1 " QUILTS, scene, f->folder, frame,
+                   frame + 1);
+        qr_succeed("%s/film.json -o %s/l.png --frames %d:%d --spp 1 " QUILTS, folder, f->folder,
+                   frame, frame + 1);
+    }
+    qr_outcome o;
+    snprintf(scene, sizeof scene, "%s", film(f, "other.json", "{}"));
+    qr_run(&o, "%s -o %s/l.png --frames 1:1 --spp 1 " QUILTS, scene, f->folder);
+    qr_assert_fails(&o, 1, "was rendered with scene film.json, not other.json");
+}
+
 /* A frame that changes after the check, and an ffmpeg that ends halfway. */
 static void nothing_is_published_of_a_video_that_fails(void **state)
 {
@@ -614,6 +640,7 @@ int main(void)
         TEST(a_frame_that_does_not_fit_is_told_before_anything_is_encoded),
         TEST(frames_of_other_settings_are_refused),
         TEST(frames_of_one_scene_may_differ),
+        TEST(long_paths_of_scenes_may_differ),
         TEST(nothing_is_published_of_a_video_that_fails),
         TEST(a_stopped_job_leaves_nothing),
         TEST(a_folder_of_frames_is_views),

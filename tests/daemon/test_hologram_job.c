@@ -275,22 +275,40 @@ static void printers_have_rigs(void **state)
     json_decref(m);
 }
 
-/* The printer's hogels are of 1 mm, whatever pixels it is sent. */
+/* The numbers of pixels per cm that a TIFF has are exact fractions. */
+static void assert_pixels_per_cm(const char *path, const double want[2])
+{
+    uint32_t n[4] = {0}; /* little-endian, as tests run */
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 200, SEEK_SET), 0);
+    assert_int_equal(fread(n, sizeof *n, 4, file), 4);
+    fclose(file);
+    for (int i = 0; i < 2; i++) {
+        assert_true(n[2 * i + 1] > 0);
+        lf_assert_close((double)n[2 * i] / n[2 * i + 1], want[i], 1e-12, 0);
+    }
+}
+
+/* The printer's hogels are of about 1 mm, whatever pixels it is sent: a whole number of them is as
+ * wide as the plate. */
 static void hogels_of_a_printer_are_not_pixels(void **state)
 {
     const qr_files *f = *state;
     char folder[PATH_MAX];
     qr_outcome o;
     snprintf(folder, sizeof folder, "%s/fine", f->folder);
-    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 --plate-size 4x5 "
-               "--view-size 16x20 --spp 1 --plate-format tiff",
+    qr_succeed("%s -o %s/ --hologram views --hologram-preset litiholo --views 3 "
+               "--plate-size 4.24x5.3 --view-size 16x20 --spp 1 --plate-format tiff",
                f->scene, folder);
+    assert_pixels_per_cm(lf_test_path(folder, "views/view_0001.tif"),
+                         (const double[]){160 / 4.24, 200 / 5.3});
     json_t *m = manifest_of(folder);
     for (size_t i = 0; i < 2; i++) {
         assert_int_equal(number(m, "hogels", NULL, i), 4 + i);
         assert_int_equal(number(m, "pixels", NULL, i), 16 + 4 * i);
-        lf_assert_close(number(m, "hogel_pitch_mm", NULL, i), 1, 1e-12, 0);
-        lf_assert_close(number(m, "pixel_pitch_mm", NULL, i), 0.25, 1e-12, 0);
+        lf_assert_close(number(m, "hogel_pitch_mm", NULL, i), 1.06, 1e-12, 0);
+        lf_assert_close(number(m, "pixel_pitch_mm", NULL, i), 0.265, 1e-12, 0);
     }
     assert_non_null(strstr(json_string_value(json_object_get(m, "preset_note")), "not published"));
     const double pixels = number(m, "shift", "farthest", 0);

@@ -297,6 +297,11 @@ static void a_grid_in_one_output_is_joined(void **state)
     assert_member(item(p, "finishes", 0), "tasks", "[0,2]");
     assert_false(has_word(p, "command", "--files"));
     json_decref(p);
+    p = plan("--plan --json --task-minutes 0 %s -o %s/all.png --spp 1 " SIZE, grid_of(f),
+             f->folder);
+    assert_member(p, "kind", "\"quilt\"");
+    assert_int_equal(whole_of(p, "views"), 6);
+    json_decref(p);
 }
 
 /* Runs the commands of a plan as a shell does. */
@@ -465,6 +470,29 @@ static void wrong_plans_are_one_line(void **state)
     }
 }
 
+/* Its tasks would refuse them. Those that are kept are outputs, and no inputs. */
+static void frames_that_tasks_would_refuse_are_told(void **state)
+{
+    const char *how = "--turntable 3 --quilt 3x2 " SIZE;
+    const qr_files *f = *state;
+    qr_outcome o;
+    json_t *before = plan("%s -o %s/k.png --passes 2 --plan --json %s", f->scene, f->folder, how);
+    qr_succeed("%s -o %s/k.png --frames 2:2 --passes 2 %s", f->scene, f->folder, how);
+    for (int json = 0; json < 2; json++) {
+        qr_run(&o, "%s -o %s/k.png --passes 9 --plan %s %s", f->scene, f->folder,
+               json ? "--json" : "", how);
+        qr_assert_fails(&o, 1,
+                        "k_0002_qs3x2a0.75.png: exists and was rendered with budget passes 2, not "
+                        "passes 9; remove it, or keep it with --mixed");
+    }
+    qr_succeed("%s -o %s/k.png --passes 9 --mixed --plan %s", f->scene, f->folder, how);
+    json_t *after = plan("%s -o %s/k.png --passes 2 --plan --json %s", f->scene, f->folder, how);
+    assert_true(count(before, "inputs") > 0);
+    assert_true(json_equal(json_object_get(before, "inputs"), json_object_get(after, "inputs")));
+    json_decref(before);
+    json_decref(after);
+}
+
 /* ---------------------------------------------------------------------------------- receipts -- */
 
 /* The entry of a file is true, by another reading of it. */
@@ -568,6 +596,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(memory_grows_with_rows, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(memory_that_cannot_be_met_is_told, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(wrong_plans_are_one_line, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(frames_that_tasks_would_refuse_are_told, qr_set_up,
+                                        qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_every_file, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_receipt_names_what_is_beside_a_print, qr_set_up,
                                         qr_tear_down),

@@ -1,5 +1,7 @@
 /* --rows and --stream: a part of a picture as a state. Its rows are those of the whole picture's
  * state to the bit; streams differ; what cannot be a part is refused in one line. */
+#include <sys/stat.h>
+
 #include "tests/daemon/states.h"
 
 /* A grid of cameras whose depth is that many times the usual. */
@@ -266,9 +268,9 @@ static void states_of_kept_frames_are_removed(void **state)
     const qr_files *f = *state;
     const char *turn = "--turntable 3 --spp 1 --quilt 3x2 " SIZE;
     qr_outcome o;
-    qr_succeed("%s -o %s/t.png %s", f->scene, f->folder, turn);
     qr_succeed("%s -o %s/t.png --rows 0:9 --state %s/s.lfstate %s", f->scene, f->folder, f->folder,
                turn);
+    qr_succeed("%s -o %s/t.png %s", f->scene, f->folder, turn);
     lf_test_write(f->folder, "s_0003.lfstate", "a text of mine");
     assert_int_equal(unlink(lf_test_path(f->folder, "t_0002_qs3x2a0.75.png")), 0);
     assert_true(is_there(f, "s_0001.lfstate") && is_there(f, "s_0002.lfstate"));
@@ -278,6 +280,74 @@ static void states_of_kept_frames_are_removed(void **state)
     assert_true(is_there(f, "t_0002_qs3x2a0.75.png"));
     assert_false(is_there(f, "s_0001.lfstate") || is_there(f, "s_0002.lfstate"));
     assert_true(is_there(f, "s_0003.lfstate"));
+    assert_non_null(strstr(o.err, "s_0003.lfstate: stays: is damaged"));
+}
+
+/* Each row of cameras has one. */
+static void states_of_kept_grids_are_removed(void **state)
+{
+    const qr_files *f = *state;
+    const char *turn = "--turntable 1 --spp 1 --quilt 3x2 " SIZE;
+    lf_test_write(f->folder, "grid.json", GRID("1"));
+    qr_succeed("%s/grid.json -o %s/g.png --rows 0:9 --state %s/g.lfstate %s", f->folder, f->folder,
+               f->folder, turn);
+    qr_succeed("%s/grid.json -o %s/g.png %s", f->folder, f->folder, turn);
+    assert_true(is_there(f, "g_0001_0000.lfstate") && is_there(f, "g_0001_0002.lfstate"));
+    qr_succeed("%s/grid.json -o %s/g.png --state %s/g.lfstate %s", f->folder, f->folder, f->folder,
+               turn);
+    assert_false(is_there(f, "g_0001_0000.lfstate") || is_there(f, "g_0001_0001.lfstate") ||
+                 is_there(f, "g_0001_0002.lfstate"));
+}
+
+/* Makes a file older than all others. */
+static void age(const qr_files *f, const char *name)
+{
+    const struct timespec long_ago[2] = {{.tv_sec = 1}, {.tv_sec = 1}};
+    assert_int_equal(utimensat(AT_FDCWD, lf_test_path(f->folder, name), long_ago, 0), 0);
+}
+
+/* Nothing tells how an EXR file was rendered: it may be a preview. */
+static void states_that_kept_frames_may_lack_stay(void **state)
+{
+    static const char *const words[] = {
+        "k_0001.lfstate: stays: is the state of another job, which differs in the scene; remove it "
+        "or pass another --state FILE",
+        "k_0002.lfstate: stays: the kept files may lack its 2 spp; remove it, or the files to "
+        "continue",
+        "k_0003.lfstate: stays: the kept files may lack its 1 spp; remove it, or the files to "
+        "continue",
+        "k_0004.lfstate: stays: is the state of another job, which differs in the frame (5, not "
+        "4)"};
+    const qr_files *f = *state;
+    const char *turn = "--turntable 6 --quilt 3x2 " SIZE;
+    char other[PATH_MAX];
+    qr_outcome o;
+    snprintf(other, sizeof other, "%s",
+             lf_test_write(
+                 f->folder, "other.json",
+                 lf_test_scene_patched("fog-over-clay", "{'lights': {'sky': {'radiance': 0.4}}}")));
+    qr_succeed("%s -o %s/k.exr --rows 0:9 --spp 1 --frames 3:6 --state %s/k.lfstate %s", f->scene,
+               f->folder, f->folder, turn);
+    assert_int_equal(rename(lf_test_path(f->folder, "k_0005.lfstate"),
+                            lf_test_path(f->folder, "k_0004.lfstate")),
+                     0);
+    qr_succeed("%s -o %s/k.exr --rows 0:9 --spp 2 --frames 2:2 --state %s/k.lfstate %s", f->scene,
+               f->folder, f->folder, turn);
+    qr_succeed("%s -o %s/k.exr --rows 0:9 --spp 1 --frames 1:1 --state %s/k.lfstate %s", other,
+               f->folder, f->folder, turn);
+    qr_succeed("%s -o %s/k.exr --spp 1 %s", f->scene, f->folder, turn);
+    age(f, "k_0003_qs3x2a0.75.exr");
+    qr_run(&o, "%s -o %s/k.exr --spp 1 --state %s/k.lfstate %s", f->scene, f->folder, f->folder,
+           turn);
+    assert_int_equal(o.code, 0);
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (!strstr(o.err, words[i]))
+            fail_msg("%s: %s", words[i], o.err);
+        char name[32];
+        snprintf(name, sizeof name, "%.14s", words[i]);
+        assert_true(is_there(f, name));
+    }
+    assert_false(is_there(f, "k_0006.lfstate"));
 }
 
 /* Frames 2 and 3 share the part that begins in frame 3. */
@@ -302,6 +372,12 @@ static void shared_parts_stay_while_a_frame_lacks_them(void **state)
     assert_true(is_there(f, "p_0003_0000.lfstate") && is_there(f, "p_0004_0000.lfstate"));
     qr_succeed("%s -o %s/p.png --state %s/p.lfstate %s", scene, f->folder, f->folder, how);
     assert_false(is_there(f, "p_0003_0000.lfstate") || is_there(f, "p_0004_0000.lfstate"));
+    /* of another job */
+    how = "--frames 2:3 --quilt 3x1 --view-size 8x6 --seed 5";
+    qr_succeed("%s -o %s/p.mp4 --state %s/p.lfstate --spp 4 %s", scene, f->folder, f->folder, how);
+    qr_succeed("%s -o %s/p.png --state %s/p.lfstate --spp 2 %s", scene, f->folder, f->folder, how);
+    assert_true(is_there(f, "p_0002_0000.lfstate") && is_there(f, "p_0003_0000.lfstate") &&
+                is_there(f, "p_0004_0000.lfstate"));
 }
 
 static void what_a_sequence_cannot_continue_is_one_line(void **state)
@@ -363,6 +439,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_state_of_another_release_is_refused, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(states_of_kept_frames_are_removed, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(states_of_kept_grids_are_removed, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(states_that_kept_frames_may_lack_stay, qr_set_up,
+                                        qr_tear_down),
         cmocka_unit_test_setup_teardown(shared_parts_stay_while_a_frame_lacks_them, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(what_a_sequence_cannot_continue_is_one_line, qr_set_up,

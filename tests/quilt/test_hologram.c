@@ -477,8 +477,8 @@ static void tiffs_say_size_and_colour(void **state)
         plate.form = is_view ? LF_PLATE_VIEWS : LF_PLATE_HOGELS;
         plate.format = LF_PLATE_TIFF;
         plate.is_grey = is_grey;
-        plate.per_metre[0] = is_known ? 15748 : 0;
-        plate.per_metre[1] = is_known ? 16000 : 0;
+        plate.microns[0] = is_known ? 102000 : 0; /* of 3 x 2 cells */
+        plate.microns[1] = is_known ? 2000000 : 0;
         snprintf(path, sizeof path, "%s/says_%d", folder, i);
         lf_assert_ok(write_plate(&plate, path, &cells, &err), &err);
         TIFF *tiff = TIFFOpen(is_view ? lf_test_path(path, "views/r003/c0004.tif")
@@ -494,8 +494,8 @@ static void tiffs_say_size_and_colour(void **state)
         assert_int_equal(TIFFGetField(tiff, TIFFTAG_RESOLUTIONUNIT, &unit), 1);
         const bool has_size = is_known && is_view; /* pixels of hogels are directions */
         assert_int_equal(unit, has_size ? RESUNIT_CENTIMETER : RESUNIT_NONE);
-        lf_assert_close((double)across, has_size ? 157.48 : 1, 1e-6, 0);
-        lf_assert_close((double)down, has_size ? 160 : 1, 1e-6, 0);
+        lf_assert_close((double)across, has_size ? COLUMNS / 10.2 : 1, 1e-6, 0);
+        lf_assert_close((double)down, has_size ? ROWS / 200.0 : 1, 1e-6, 0);
         assert_int_equal(TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &bytes), 1);
         check_profile(bytes, size, is_grey);
         TIFFClose(tiff);
