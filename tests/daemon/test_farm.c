@@ -261,6 +261,31 @@ static void a_file_that_changed_since_the_plan_is_told(void **state)
     assert_false(is_there(folder, "out/field_0000.txt"));
 }
 
+static void a_process_asks_for_the_release_once(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "mv bin/quiltrender bin/own; printf '#!/bin/sh\necho \"$1\" >> \"%s/calls\"\nexec "
+         "\"%s/bin/own\" \"$@\"\n' \"$PWD\" \"$PWD\" > bin/quiltrender; chmod +x bin/quiltrender",
+         0, "");
+    plan(folder);
+    says(folder, "bin/quiltfarm task job 0:4", 0, "task 4 is complete");
+    says(folder, "grep -c -e --version calls", 0, "1\n");
+}
+
+/* It reads frames, which the scene may outlive or not. */
+static void a_finish_that_joins_frames_compares_no_files(void **state)
+{
+    const char *folder = *state;
+    says(folder,
+         "echo one > cloud; sed -i 's/\"rows\": \\[[0-9, ]*\\]/\"rows\": null/g; s/\"plan\": "
+         "{/\"inputs\": [\"cloud\"], \"plan\": {\"join\": [\"scene.json\", \"-o\", \"out\", "
+         "\"--camera-rows\", \"0:2\"], /' scene.json",
+         0, "");
+    plan(folder);
+    says(folder, "sh -e job/tasks; rm cloud; bin/quiltfarm merge job", 0, "job: complete");
+}
+
 /* A container has the scene under another name: its files mean nothing outside. */
 static void files_that_only_the_renderer_sees_are_unknown(void **state)
 {
@@ -567,6 +592,8 @@ int main(void)
         in_folder(a_task_that_could_not_save_has_failed),
         in_folder(a_signal_to_all_processes_saves_the_state),
         in_folder(a_file_that_changed_since_the_plan_is_told),
+        in_folder(a_process_asks_for_the_release_once),
+        in_folder(a_finish_that_joins_frames_compares_no_files),
         in_folder(files_that_only_the_renderer_sees_are_unknown),
         in_folder(another_release_is_told),
         in_folder(tasks_that_were_killed_without_a_word_count_as_failed),

@@ -176,6 +176,7 @@ static void a_job_without_an_id_can_be_cancelled(void **state)
     slurm_says(folder, "bin/quiltfarm task job 0", 1, "was planned by an earlier build");
     slurm_says(folder, "bin/quiltfarm cancel job", 0, "cancelled; running tasks save first");
     says(folder, "grep -q -e \"--name=$(cat names) \" scancel.log", 0, "");
+    says(folder, "grep -q -e \"--name=$(cat names) \" squeue.log", 0, "");
     says(folder, "rm -r job", 0, "");
     plan_slurm(folder, "");
     slurm_says(folder, "bin/quiltfarm submit job", 1, "of an older plan");
