@@ -149,8 +149,8 @@ typedef struct lf_integrator_entry {
      * reconstruction */
     bool reconstructs;
     bool takes_light_paths; /* lf_render_settings.light_paths */
-    bool remembers; /* it has state besides its film: lf_renderer_passes_after refuses it */
-    bool spreads;   /* paths of a row reach others: the film receives a pass as a whole */
+    bool remembers;         /* it has state besides its film: lf_renderer_passes_after refuses it */
+    bool spreads;           /* paths of a row reach others: the film receives a pass as a whole */
     /* supported traits of a scene and its view; lf_renderer_create refuses others */
     lf_traits supports;
 } lf_integrator_entry;
@@ -532,6 +532,9 @@ typedef struct lf_render_stats {
     int64_t suffixes; /* paths that were continued after a first scattering */
     /* paths that max_depth ended, each weighted by its fraction of the light there */
     double suffixes_cut;
+    /* CPU seconds of the process in which passes traced light paths. A pass over some rows traces
+     * all paths, as a pass over all rows does. */
+    double light_path_cpu;
     int max_depth; /* in vertices after the camera */
     /* pivots that the row's section hides from their own base view (V_i forced to 1); -1 without
      * meshes */

@@ -49,6 +49,7 @@ typedef struct lf_light_paths {
     int n_chunks, n_sets, chunks_allocated, sets_allocated;
     int max_depth;
     bool alone; /* each path serves one view */
+    double cpu; /* seconds of lf_light_paths_begin so far, of the process */
 } lf_light_paths;
 
 /* Whether light paths serve a scene and its view; both kinds of paths ask here. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 #include "render/rows/light_paths.h"
 #include "render/rows/outlines.h"
 #include "render/rows/queue.h"
@@ -279,8 +280,12 @@ static lf_status begin(void *state, const lf_pass *pass, const lf_cancel *cancel
 {
     lf_rows *rows = state;
     make_map(rows);
-    return rows->plan.light ? lf_light_paths_begin(&rows->light, pass, rows->plan.film, cancel)
-                            : LF_OK;
+    if (!rows->plan.light)
+        return LF_OK;
+    const double start = lf_time_cpu();
+    const lf_status status = lf_light_paths_begin(&rows->light, pass, rows->plan.film, cancel);
+    rows->light.cpu += lf_time_cpu() - start;
+    return status;
 }
 
 static bool visit(void *state, const lf_visit_order *order, int row, int half, int worker,
@@ -310,6 +315,7 @@ static void count(const void *state, lf_render_stats *out)
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
         out->base_hidden += w->base_hidden;
     }
+    out->light_path_cpu += rows->light.cpu;
     if (!rows->seen.embree)
         out->rays_traced = out->base_hidden = -1;
     if (rows->seen.n_volumes == 0)

@@ -1,6 +1,7 @@
 /* --plan of quiltrender as JSON, and receipts: what programs read. */
 #include <jansson.h>
 #include <nettle/sha2.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "tests/daemon/quiltrender.h"
@@ -181,7 +182,9 @@ static void hashes_are_of_the_smaller_files_up_to_a_sum(void **state)
         snprintf(path, sizeof path, "large_%d.obj", i);
         char *data = malloc(12 << 20);
         assert_non_null(data);
-        memset(data, '\n', 12 << 20);
+        memset(data, '#', 12 << 20); /* comments */
+        for (int k = 0; k < 12 << 20; k += 1024)
+            data[k + 1023] = '\n';
         memcpy(data, obj, sizeof obj - 1);
         data[(12 << 20) - 1] = '\0';
         lf_test_write(f->folder, path, data);
@@ -220,6 +223,31 @@ static void rows_that_see_less_take_less_time(void **state)
         cpu[i] = json_number_value(json_object_get(item(p, "tasks", i), "cpu_seconds"));
     if (!(cpu[2] > 2 * cpu[0]))
         fail_msg("rows of cameras: %g, %g and %g s", cpu[0], cpu[1], cpu[2]);
+    json_decref(p);
+}
+
+/* CPU seconds of the programs so far. */
+static double spent(void)
+{
+    struct rusage of;
+    getrusage(RUSAGE_CHILDREN, &of);
+    return (double)(of.ru_utime.tv_sec + of.ru_stime.tv_sec) +
+           1e-6 * (double)(of.ru_utime.tv_usec + of.ru_stime.tv_usec);
+}
+
+/* Each strip of rows that a plan renders traces the light paths of the whole image: counted for
+ * each row, they would make ten times what the job takes. */
+static void light_paths_count_once(void **state)
+{
+    const qr_files *f = *state;
+    const char *scene = lf_test_write(f->folder, "sun.json", lf_test_scene_text("sun-off-mirror"));
+    const char *words = "--spp 4 --light-paths 4000 --denoise off --threads 1 --view-size 8x160";
+    json_t *p = plan("--plan --json %s -o %s/sun.exr %s", scene, f->folder, words);
+    const double planned = json_number_value(json_object_get(p, "cpu_seconds")), before = spent();
+    qr_succeed("%s -o %s/sun.exr %s", scene, f->folder, words);
+    const double taken = spent() - before;
+    if (!(planned < 3 * taken && taken < 3 * planned))
+        fail_msg("%g s planned, %g s taken", planned, taken);
     json_decref(p);
 }
 
@@ -584,6 +612,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(hashes_are_of_the_smaller_files_up_to_a_sum, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(rows_that_see_less_take_less_time, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(light_paths_count_once, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_short_job_is_one_task, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(a_large_light_field_is_bands, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(other_light_fields_stay_whole, qr_set_up, qr_tear_down),
