@@ -288,6 +288,35 @@ static void forget_inputs(json_t *plan, const char *folder)
         lf_log(LF_LOG_WARNING, "%zu more files are not the same outside the renderer", n - 1);
 }
 
+/* The output of the renderer's words; NULL: none is named. */
+static const char *output_of(char *const *words)
+{
+    for (; *words && strcmp(*words, "--") != 0; words++)
+        if (strncmp(*words, "-o", 2) == 0)
+            return (*words)[2] != '\0' ? *words + 2 : words[1];
+    return NULL;
+}
+
+/* Length of a folder's name without slashes at its end. */
+static size_t bare_length(const char *folder)
+{
+    size_t n = strlen(folder);
+    while (n > 1 && folder[n - 1] == '/')
+        n--;
+    return n;
+}
+
+/* Whether an output would be mixed with the files of a job, this one or another. */
+static bool is_job_folder(const char *output, const char *job)
+{
+    const size_t n = bare_length(output);
+    char *there = lf_path_join(output, "job.json");
+    const bool is = (there && access(there, F_OK) == 0) ||
+                    (n == bare_length(job) && strncmp(output, job, n) == 0);
+    lf_free(there);
+    return is;
+}
+
 lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
 {
     const char *name = c->options->engine ? c->options->engine : lf_farm_engine_name(0);
@@ -297,6 +326,10 @@ lf_status lf_farm_plan(const lf_farm_command *c, lf_error *err)
     if (!c->words[0])
         return lf_error_set(err, LF_E_ARG, "plan",
                             "has nothing to render; pass it as -- SCENE -o OUT");
+    const char *output = output_of(c->words);
+    if (output && is_job_folder(output, c->job))
+        return lf_error_set(err, LF_E_ARG, output,
+                            "is the folder of a job; choose another one for the output");
     if (!is_free(c->job, c->words[0]))
         return lf_error_set(err, LF_E_EXISTS, c->job, "exists; choose a new folder for the job");
     if (!getcwd(folder, sizeof folder))

@@ -153,6 +153,15 @@ static lf_status send_selection(lf_farm_job *job, const selection *s, json_t *re
     return status;
 }
 
+/* Words that the engine refused are not kept: resume would use them again. */
+static void take_back(const lf_farm_job *job, const json_t *before)
+{
+    char *path = lf_farm_job_path(job, SENT);
+    if ((!before || lf_farm_job_write(job, SENT, before, NULL) != LF_OK) && path)
+        (void)unlink(path);
+    lf_free(path);
+}
+
 static lf_status tell_and_send(lf_farm_job *job, const selection *s, json_t *record, lf_error *err)
 {
     if (s->n_given_up > 0)
@@ -189,6 +198,8 @@ static lf_status submit(const lf_farm_command *c, bool forgives, lf_error *err)
         status = lf_farm_no_memory(job.path, err);
     if (status == LF_OK)
         status = tell_and_send(&job, &s, record, err);
+    if (status == LF_E_ARG && record)
+        take_back(&job, before);
     lf_free(s.wanted);
     json_decref(record);
     json_decref(before);

@@ -423,6 +423,8 @@ static void mistakes_on_the_command_line_are_told(void **state)
     says(folder, "bin/quiltfarm resume job -p long", 2,
          "-p: is no word of quiltfarm resume; pass words of sbatch or parallel after --");
     says(folder, "bin/quiltfarm plan job -- scene.json -o", 2, "-o: expects an argument");
+    says(folder, "bin/quiltfarm plan job -- scene.json -o job/", 2, "is the folder of a job");
+    says(folder, "bin/quiltfarm plan job/ -- -ojob scene.json", 2, "is the folder of a job");
     says(folder, "bin/quiltfarm status job -- more", 2, "takes no words after --");
     says(folder, "bin/quiltfarm status job", 1, "there is no such folder");
     says(folder, "bin/quiltfarm plan job", 2, "pass it as -- SCENE -o OUT");
@@ -438,6 +440,7 @@ static void mistakes_on_the_command_line_are_told(void **state)
     says(folder, "rmdir job", 0, "");
     plan(folder);
     says(folder, PLAN, 1, "exists; choose a new folder");
+    says(folder, "bin/quiltfarm plan other -- scene.json -o job/", 2, "is the folder of a job");
     says(folder, "bin/quiltfarm task job 5", 2, "the job has 5, from 0");
     says(folder, "bin/quiltfarm task job 3:2", 2, "is no number of a step");
     says(folder, "bin/quiltfarm task job -- 3", 2, "expects JOB K");

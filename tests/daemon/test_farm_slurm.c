@@ -287,6 +287,7 @@ static void words_and_environment_of_the_user_hide_no_job(void **state)
     plan_slurm(folder, "");
     slurm_says(folder, "bin/quiltfarm submit job -- -J mine", 2, "is set by quiltfarm");
     slurm_says(folder, "bin/quiltfarm submit job -- --array=3", 2, "is set by quiltfarm");
+    slurm_says(folder, "ls job/sent.json", 2, "No such file");
     slurm_says(folder, "bin/quiltfarm submit job -- -M other -p long", 0, "sent to Slurm");
     assert_sent(folder, 1, "-M other -p long ");
     says(folder, "cat scontrol.log", 0, "--clusters=other show config");
