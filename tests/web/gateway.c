@@ -193,17 +193,23 @@ static json_t *result_of(gateway *g, const char *method, json_t *params, int *ou
                   : json_pack("{s:s}", "method", method);
 }
 
+/* In one piece, so that no client acts between two of them: quiltd sends them without a pause, too.
+ */
 static void send_all(int connection, json_t *notes)
 {
-    size_t i;
+    char *text = NULL;
+    size_t i, size = 0;
     json_t *message;
+    FILE *out = open_memstream(&text, &size);
     json_array_foreach(notes, i, message)
     {
-        char *text = json_dumps(message, JSON_COMPACT);
-        send_whole(connection, text);
-        send_whole(connection, "\n");
-        free(text);
+        json_dumpf(message, out, JSON_COMPACT);
+        fputc('\n', out);
     }
+    fclose(out);
+    if (size > 0)
+        send_whole(connection, text);
+    free(text);
     json_decref(notes);
 }
 
