@@ -66,9 +66,10 @@ static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pi
                        lf_event *event)
 {
     const lf_rig *rig = pilot->rig;
-    const int view = i * 29 % rig->n_views;
-    const float u = ((float)(i % 32) + lf_rng(tracer)) / 32.0f * (float)rig->width,
-                v = ((float)(i / 32) + lf_rng(tracer)) / (PIVOTS / 32) * (float)rig->height;
+    enum { ACROSS = 32, DOWN = PIVOTS / ACROSS };
+    const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS;
+    const float u = ((float)x + lf_rng(tracer)) / ACROSS * (float)rig->width,
+                v = ((float)y + lf_rng(tracer)) / DOWN * (float)rig->height;
     const float slope = lf_rig_slope(rig, view, u), my = (rig->y0 + v * rig->dy) / rig->distance;
     const lf_vec3 along = lf_rig_direction(rig, slope, my, 1.0f);
     const float length = lf_length(along);

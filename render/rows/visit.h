@@ -4,7 +4,6 @@
 #ifndef LF_RENDER_VISIT_H
 #define LF_RENDER_VISIT_H
 
-#include "render/scene/fault.h"
 #include "render/film/film.h"
 #include "render/integrator.h"
 #include "render/plane/alpha.h"
@@ -16,6 +15,7 @@
 #include "render/rows/between.h"
 #include "render/rows/equiangular_row.h"
 #include "render/rows/shutter_time.h"
+#include "render/scene/fault.h"
 #include "render/transport/lanes/suffix.h"
 #include "render/transport/path/face_albedo.h"
 #include "render/transport/path/path.h"

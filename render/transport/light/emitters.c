@@ -218,7 +218,9 @@ void lf_emitters_learn(lf_emitters *emitters, const double *second)
     for (int i = 0; i < emitters->n; i++) {
         lf_emitter_square *square = &emitters->of[i].square;
         double sum = 0.0;
-        for (int c = 0; c < LF_EMITTER_CELLS && square->cumulative; c++)
+        if (!square->cumulative)
+            continue;
+        for (int c = 0; c < LF_EMITTER_CELLS; c++)
             sum += root[c] = sqrt(smooth(second + square->first, c));
         if (!(sum > 0.0))
             continue;

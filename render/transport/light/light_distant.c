@@ -94,8 +94,7 @@ static float density_at(const lf_emitter_square *square, float x, float y)
     if (!(across >= 0.0f && along >= 0.0f && across < LF_EMITTER_GRID && along < LF_EMITTER_GRID))
         return 0.0f;
     const int cell = (int)along * LF_EMITTER_GRID + (int)across;
-    return (square->density ? square->density[cell] : 1.0f) /
-           (4.0f * square->half * square->half);
+    return (square->density ? square->density[cell] : 1.0f) / (4.0f * square->half * square->half);
 }
 
 static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
@@ -104,9 +103,10 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     float inside;
     lf_light_sample towards;
     out->cell = lf_cdf_find(square->cumulative, LF_EMITTER_CELLS, u[0], &inside);
+    const int column = out->cell % LF_EMITTER_GRID, row = out->cell / LF_EMITTER_GRID;
     const float step = 2.0f * square->half / LF_EMITTER_GRID,
-                x = ((float)(out->cell % LF_EMITTER_GRID) + u[1]) * step - square->half,
-                y = ((float)(out->cell / LF_EMITTER_GRID) + u[2]) * step - square->half;
+                x = ((float)column + u[1]) * step - square->half,
+                y = ((float)row + u[2]) * step - square->half;
     const lf_vec3 at = lf_madd(lf_madd(square->middle, x, square->right), y, square->up);
     if (!draw(scene, light, at, 0.0, u + 3, &towards))
         return false;

@@ -74,13 +74,12 @@ static turn choose(forward *path, const lf_event *here, lf_vec3 back, lf_vec3 *w
     const lf_hit *hit = &here->hit;
     lf_shading shading;
     lf_shade(hit, back, &shading);
+    if (shading.n_deltas == 0)
+        return shading.has_lobe ? TURN_LOBE : TURN_END;
     float mean[LF_MAX_DELTAS] = {0.0f}, sum = 0.0f;
     for (int i = 0; i < shading.n_deltas; i++)
         sum += mean[i] = lf_mean3(shading.delta[i].f);
-    const float any = shading.n_deltas == 0 ? 0.0f
-                      : shading.has_lobe    ? lf_min(sum, 0.95f)
-                                            : 1.0f,
-                u = any > 0.0f ? lf_rng(path->tracer) : 0.0f;
+    const float any = shading.has_lobe ? lf_min(sum, 0.95f) : 1.0f, u = lf_rng(path->tracer);
     if (u >= any) {
         path->flux = lf_scale(path->flux, 1.0f / (1.0f - any));
         return shading.has_lobe ? TURN_LOBE : TURN_END;
