@@ -58,7 +58,8 @@ lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf
                           float rate, lf_vec3 p, lf_vec3 ng, lf_vec3 wi, float distance);
 
 /* Sets the densities of the cells from the second moments of what paths through them brought: a
- * tenth as at first, the rest in proportion to their roots. second [n_cells]. */
+ * tenth as at first, the rest in proportion to the roots of the moments, each averaged with its
+ * neighbours. second [n_cells]. */
 void lf_emitters_learn(lf_emitters *emitters, const double *second);
 
 #endif
