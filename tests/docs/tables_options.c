@@ -157,10 +157,11 @@ static void print_default(const lf_param *row, const char *in_brackets, FILE *ou
         fputs(switched ? "off" : "", out);
     else if (row->type == LF_PARAM_WHOLE && word_of(row, 0))
         fprintf(out, "`%g`", row->initial);
-    else if (word_of(row, 0) && row->type != LF_PARAM_NUMBER)
-        fprintf(out, row->initial >= 0 ? "`%s`" : "", word_of(row, (int)row->initial));
-    else if (!row->has && row->high > row->low && row->initial >= row->low &&
-             row->initial <= row->high)
+    else if (word_of(row, 0) && row->type != LF_PARAM_NUMBER) {
+        if (row->initial >= 0)
+            fprintf(out, "`%s`", word_of(row, (int)row->initial));
+    } else if (!row->has && row->high > row->low && row->initial >= row->low &&
+               row->initial <= row->high)
         lf_table_number(row->initial, out);
 }
 
