@@ -1,28 +1,30 @@
 /* Light paths in random scenes: pictures with them, by mvpt and by vpt, of two strengths, against
  * pictures by camera paths alone, tile by tile. Materials, lights, shapes and instances are drawn.
  *
- * Caustics of small lights have heavy tails in pictures by camera paths, which Welch's test does not
- * know. So a scene that is rejected is rendered again from other seeds, eight times as long, and
- * only a scene that is rejected twice fails. Where no camera path finds some light (lights without
- * size in a scene with mirrors), both integrators with light paths are compared alone. */
+ * Caustics of small lights have heavy tails in pictures by camera paths, which Welch's test does
+ * not know. So a scene that is rejected is rendered again from other seeds, eight times as long,
+ * and only a scene that is rejected twice fails. Where no camera path finds some light (lights
+ * without size in a scene with mirrors), both integrators with light paths are compared alone. */
 #include "tests/testing.h"
 
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 16, height = 12, block = 4, n_views = 3, blocks_of_views = 12 * n_views + 1 };
-enum { REPLICATES = 10, CI_SCENES = 8, LONG_SCENES = 400, TEXT = 8192 };
+enum { REPLICATES = 10, CI_SCENES = 8, LONG_SCENES = 400, TEXT = 8192, MOST_MESHES = 4 };
 
 /* Comparisons of a scene: two integrators with light paths against camera paths, or against each
  * other, and two strengths. */
 enum { COMPARISONS = 3 };
 
-/* ------------------------------------------------------------------------------ random scenes -- */
+/* ------------------------------------------------------------------------------ random scenes --
+ */
 
 typedef struct drawing {
     uint64_t key;
     unsigned n;
-    bool mirrors, points, no_size; /* what has been drawn */
+    int shape[MOST_MESHES];
+    bool mirrors, no_size; /* a delta lobe; a light that no ray can meet */
     char text[TEXT];
 } drawing;
 
@@ -46,20 +48,34 @@ __attribute__((format(printf, 2, 3))) static void say(drawing *d, const char *fo
     assert_true(n >= 0 && (size_t)n < TEXT - at);
 }
 
+/* Members of an object after its first. */
+static void say_number(drawing *d, const char *key, double low, double high)
+{
+    say(d, ", '%s': %.3f", key, number(d, low, high));
+}
+
+static void say_triple(drawing *d, const char *key, const double low[3], const double high[3])
+{
+    double x[3];
+    for (int i = 0; i < 3; i++)
+        x[i] = number(d, low[i], high[i]);
+    say(d, ", '%s': [%.3f, %.3f, %.3f]", key, x[0], x[1], x[2]);
+}
+
 static void say_colour(drawing *d, const char *key, double low, double high)
 {
-    const double r = number(d, low, high), g = number(d, low, high), b = number(d, low, high);
-    say(d, ", '%s': [%.3f, %.3f, %.3f]", key, r, g, b);
+    say_triple(d, key, (const double[3]){low, low, low}, (const double[3]){high, high, high});
 }
 
 /* Rough layers of the principled model. */
 static void say_layers(drawing *d)
 {
-    say(d, "{'type': 'principled', 'roughness': %.3f", number(d, 0.35, 0.8));
+    say(d, "{'type': 'principled'");
+    say_number(d, "roughness", 0.35, 0.8);
     if (below(d, 2))
-        say(d, ", 'metallic': %.3f", number(d, 0.0, 1.0));
+        say_number(d, "metallic", 0.0, 1.0);
     if (below(d, 3) == 0)
-        say(d, ", 'anisotropy': %.3f", number(d, 0.2, 0.8));
+        say_number(d, "anisotropy", 0.2, 0.8);
     if (below(d, 3) == 0)
         say_colour(d, "sheen", 0.0, 1.0);
     if (below(d, 3) == 0)
@@ -67,44 +83,49 @@ static void say_layers(drawing *d)
     if (below(d, 2)) {
         const bool smooth = below(d, 3) == 0;
         d->mirrors |= smooth;
-        say(d, ", 'coat': %.3f, 'coat_roughness': %.3f", number(d, 0.2, 1.0),
-            smooth ? 0.0 : number(d, 0.3, 0.7));
+        say_number(d, "coat", 0.2, 1.0);
+        if (!smooth)
+            say_number(d, "coat_roughness", 0.3, 0.7);
     }
 }
 
 static void say_glass(drawing *d)
 {
-    const bool smooth = below(d, 2);
-    d->mirrors |= smooth;
-    say(d, "{'type': 'principled', 'glass': 'solid', 'transmission': %.3f, 'roughness': %.3f",
-        below(d, 2) ? 1.0 : number(d, 0.3, 1.0), smooth ? 0.0 : number(d, 0.35, 0.7));
-    say(d, ", 'ior': %.3f", number(d, 1.1, 1.7));
+    say(d, "{'type': 'principled', 'glass': 'solid'");
+    say_number(d, "ior", 1.1, 1.7);
+    say_number(d, "transmission", below(d, 2) ? 1.0 : 0.3, 1.0);
+    if (below(d, 2)) {
+        say(d, ", 'roughness': 0");
+        d->mirrors = true;
+    } else {
+        say_number(d, "roughness", 0.35, 0.7);
+    }
     if (below(d, 3) == 0)
         say_colour(d, "absorption", 0.0, 2.0);
     if (below(d, 6) == 0)
         say_colour(d, "scattering", 0.0, 1.0);
 }
 
-/* closed: of a mesh that may be of glass. */
+/* closed: for a mesh that may be glass. */
 static void say_material(drawing *d, bool closed)
 {
     const int kind = below(d, closed ? 8 : 6);
-    if (kind == 0)
+    if (kind == 0) {
         say(d, "{'type': 'diffuse'");
-    else if (kind == 1 || kind == 2)
-        say(d, "{'type': 'conductor', 'roughness': %.3f", number(d, 0.35, 0.7));
-    else if (kind == 3)
-        say(d, "{'type': 'plastic', 'roughness': %.3f", number(d, 0.35, 0.7));
-    else if (kind == 4)
+    } else if (kind <= 3) {
+        say(d, "{'type': '%s'", kind == 1 ? "plastic" : "conductor");
+        say_number(d, "roughness", 0.35, 0.7);
+    } else if (kind == 4) {
         say_layers(d);
-    else if (kind == 5) {
+    } else if (kind == 5) {
         say(d, "{'type': 'conductor', 'roughness': 0");
         d->mirrors = true;
-    } else
+    } else {
         say_glass(d);
+    }
     say_colour(d, "albedo", 0.3, 0.9);
     if (kind < 6 && below(d, 5) == 0)
-        say(d, ", 'alpha': %.3f", number(d, 0.3, 0.9));
+        say_number(d, "alpha", 0.3, 0.9);
     if (kind < 5 && below(d, 8) == 0)
         say_colour(d, "emission", 0.0, 1.5);
     say(d, "}");
@@ -112,110 +133,87 @@ static void say_material(drawing *d, bool closed)
 
 static void say_place(drawing *d, double size)
 {
-    const double a = number(d, -180, 180), b = number(d, -180, 180), c = number(d, -180, 180),
-                 x = number(d, -0.9, 0.9), y = number(d, -0.2, 0.6), z = number(d, -0.7, 0.7);
-    const double stretch = below(d, 3) ? 1.0 : number(d, 0.5, 1.5);
-    say(d, "{'scale': [%.3f, %.3f, %.3f], 'rotate': [%.1f, %.1f, %.1f], 'translate': [%.3f, %.3f, %.3f]}",
-        size, size * stretch, below(d, 6) ? size : -size, a, b, c, x, y, z);
+    const double y = below(d, 3) ? 1.0 : number(d, 0.5, 1.5), z = below(d, 6) ? 1.0 : -1.0;
+    say(d, "{'scale': [%.3f, %.3f, %.3f]", size, size * y, size * z);
+    say_colour(d, "rotate", -180.0, 180.0);
+    say_triple(d, "translate", (const double[3]){-0.9, -0.2, -0.7},
+               (const double[3]){0.9, 0.6, 0.7});
+    say(d, "}");
 }
 
-static void say_meshes(drawing *d, int n)
+static void say_mesh(drawing *d, int i)
 {
     static const char *const shapes[] = {"sphere", "cube", "quad", "disk"};
-    say(d, "'meshes': {'floor': {'shape': 'quad', 'material': 'floor', 'transform': {'scale': %.2f, "
-           "'translate': [0, -0.5, 0]}}",
-        number(d, 1.0, 2.0));
-    for (int i = 0; i < n; i++) {
-        const int shape = below(d, 4);
-        say(d, ", 'm%d%s': {'shape': '%s', 'material': 'm%d%s', ", i, shape < 2 ? "c" : "",
-            shapes[shape], i, shape < 2 ? "c" : "");
-        if (below(d, 4)) {
-            say(d, "'transform': ");
-            say_place(d, number(d, 0.15, 0.4));
-        } else {
-            say(d, "'transform': {'scale': %.3f}, 'instances': [", number(d, 0.15, 0.3));
-            const int times = 1 + below(d, 3);
-            for (int k = 0; k < times; k++) {
-                say(d, k ? ", " : "");
-                say_place(d, 1.0);
-            }
-            say(d, "]");
+    const int shape = d->shape[i] = below(d, 4);
+    say(d, ", 'm%d': {'shape': '%s', 'material': 'm%d', 'transform': ", i, shapes[shape], i);
+    if (below(d, 4)) {
+        say_place(d, number(d, 0.15, 0.4));
+    } else {
+        say(d, "{'scale': %.3f}, 'instances': [", number(d, 0.15, 0.3));
+        say_place(d, 1.0);
+        for (int left = below(d, 3); left > 0; left--) {
+            say(d, ", ");
+            say_place(d, 1.0);
         }
-        say(d, "}");
+        say(d, "]");
     }
     say(d, "}");
 }
 
-static void say_at(drawing *d)
+/* The position of a light; its direction, if it has one. */
+static void say_position(drawing *d)
 {
-    const double x = number(d, -1, 1), y = number(d, 0.7, 1.4), z = number(d, -0.8, 0.8);
-    say(d, "'position': [%.3f, %.3f, %.3f]", x, y, z);
+    say_triple(d, "position", (const double[3]){-1.0, 0.7, -0.8}, (const double[3]){1.0, 1.4, 0.8});
 }
 
-static void say_towards(drawing *d)
+static void say_direction(drawing *d)
 {
-    const double x = number(d, -0.8, 0.8), y = number(d, -1, -0.3), z = number(d, -0.8, 0.8);
-    say(d, "'direction': [%.3f, %.3f, %.3f]", x, y, z);
+    say_triple(d, "direction", (const double[3]){-0.8, -1.0, -0.8},
+               (const double[3]){0.8, -0.3, 0.8});
 }
 
 static void say_light(drawing *d)
 {
-    switch (below(d, 7)) {
-    case 0:
-        say(d, "{'type': 'distant', 'angle': 0, ");
-        say_towards(d);
-        d->no_size = true;
-        break;
-    case 1:
-    case 2:
-        say(d, "{'type': 'distant', 'angle': %.2f, ", below(d, 2) ? number(d, 4, 12) : number(d, 12, 90));
-        say_towards(d);
-        break;
-    case 3:
-        say(d, "{'type': 'sphere', 'radius': %.3f, 'power': %.2f, ", number(d, 0.08, 0.3), number(d, 5, 20));
-        say_at(d);
-        break;
-    case 4:
-        say(d, "{'type': '%s', 'power': %.2f, ", below(d, 2) ? "disk" : "rectangle", number(d, 5, 20));
-        if (strstr(d->text + strlen(d->text) - 40, "disk"))
-            say(d, "'radius': %.3f, ", number(d, 0.1, 0.4));
-        else
-            say(d, "'width': %.3f, 'height': %.3f, ", number(d, 0.1, 0.6), number(d, 0.1, 0.6));
-        say_at(d);
-        say(d, ", ");
-        say_towards(d);
-        break;
-    case 5:
-        say(d, "{'type': 'point', 'intensity': %.2f, ", number(d, 0.5, 2));
-        say_at(d);
-        d->no_size = true;
-        break;
-    default:
-        say(d, "{'type': 'spot', 'intensity': %.2f, 'angle': %.1f, ", number(d, 1, 4), number(d, 20, 120));
-        say_at(d);
-        say(d, ", ");
-        say_towards(d);
-        d->no_size = true;
-    }
+    static const char *const types[] = {"distant",   "distant", "distant", "sphere",
+                                        "rectangle", "disk",    "point",   "spot"};
+    const int kind = below(d, 8);
+    say(d, "{'type': '%s'", types[kind]);
+    d->no_size |= kind == 0 || kind > 5;
+    if (kind == 1 || kind == 2)
+        say_number(d, "angle", kind == 1 ? 6.0 : 15.0, kind == 1 ? 15.0 : 90.0);
+    if (kind > 2)
+        say_position(d);
+    if (kind < 3 || kind == 4 || kind == 5 || kind == 7)
+        say_direction(d);
+    if (kind == 3 || kind == 5)
+        say_number(d, "radius", 0.1, 0.4);
+    if (kind > 2 && kind < 6)
+        say_number(d, "power", 5.0, 20.0);
+    if (kind > 5)
+        say_number(d, "intensity", 0.5, 3.0);
+    if (kind == 7)
+        say_number(d, "angle", 20.0, 120.0);
     say(d, "}");
 }
 
 static void draw_scene(drawing *d, uint64_t key)
 {
     *d = (drawing){.key = key};
-    const int meshes = 1 + below(d, 4), lights = 1 + below(d, 3);
-    say(d, "{'camera': {'position': [%.2f, 1.2, 4], 'target': [0, -0.05, 0], 'fov_y': 30, 'aspect': "
-           "1.3333, 'views': 3, 'cone': %.1f}, ",
-        number(d, -1, 1), number(d, 10, 50));
-    say_meshes(d, meshes);
-    say(d, ", 'materials': {'floor': ");
+    const int meshes = 1 + below(d, MOST_MESHES), lights = 1 + below(d, 3);
+    say(d, "{'camera': {'views': 3, 'target': [0, -0.05, 0], 'fov_y': 30, 'aspect': 1.3333");
+    say_triple(d, "position", (const double[3]){-1.0, 0.8, 4.0}, (const double[3]){1.0, 1.6, 4.0});
+    say_number(d, "cone", 10.0, 50.0);
+    say(d, "}, 'meshes': {'floor': {'shape': 'quad', 'material': 'floor', 'transform': "
+           "{'translate': [0, -0.5, 0]");
+    say_number(d, "scale", 1.0, 2.0);
+    say(d, "}}");
+    for (int i = 0; i < meshes; i++)
+        say_mesh(d, i);
+    say(d, "}, 'materials': {'floor': ");
     say_material(d, false);
     for (int i = 0; i < meshes; i++) {
-        char name[40];
-        snprintf(name, sizeof name, "'m%dc': {'sh", i);
-        const bool closed = strstr(d->text, name);
-        say(d, ", 'm%d%s': ", i, closed ? "c" : "");
-        say_material(d, closed);
+        say(d, ", 'm%d': ", i);
+        say_material(d, d->shape[i] < 2);
     }
     say(d, "}, 'lights': {'l0': ");
     say_light(d);
@@ -231,8 +229,8 @@ static void draw_scene(drawing *d, uint64_t key)
 /* --------------------------------------------------------------------------------- comparing -- */
 
 /* false: light paths do not serve the scene. */
-static bool pictures(const char *text, const char *integrator, int paths, int cycles,
-                     uint64_t salt, lf_blocks *out)
+static bool pictures(const char *text, const char *integrator, int paths, int cycles, uint64_t salt,
+                     lf_blocks *out)
 {
     lf_test_light_paths(paths);
     lf_scene *scene = lf_test_scene(text);
