@@ -10,7 +10,7 @@
 /* Smaller blocks gain too little from huge pages. */
 #define HUGE_FROM ((size_t)4 << 20)
 
-static atomic_uint_fast64_t n_allocations;
+static atomic_uint_fast64_t n_allocations, paged, most_paged;
 
 bool lf_advise_huge(void *p, size_t bytes)
 {
@@ -54,6 +54,59 @@ char *lf_strdup(const char *s)
 void lf_free(void *p)
 {
     free(p);
+}
+
+static void note_most(uint_fast64_t now)
+{
+    uint_fast64_t most = atomic_load_explicit(&most_paged, memory_order_relaxed);
+    while (now > most && !atomic_compare_exchange_weak_explicit(
+                             &most_paged, &most, now, memory_order_relaxed, memory_order_relaxed))
+        ;
+}
+
+/* Before the block: its size. */
+typedef struct lf_pages_head {
+    size_t bytes;
+    char align[ALIGNMENT - sizeof(size_t)];
+} lf_pages_head;
+
+void *lf_pages(size_t n, size_t size)
+{
+    if (size > 0 && n > (PTRDIFF_MAX - sizeof(lf_pages_head)) / size)
+        return NULL;
+    const size_t bytes = n * size;
+    lf_pages_head *head = mmap(NULL, bytes + sizeof *head, PROT_READ | PROT_WRITE,
+                               MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (head == MAP_FAILED)
+        return NULL;
+    head->bytes = bytes;
+    atomic_fetch_add_explicit(&n_allocations, 1, memory_order_relaxed);
+    note_most(atomic_fetch_add_explicit(&paged, bytes, memory_order_relaxed) + bytes);
+    return head + 1;
+}
+
+void lf_pages_free(void *p)
+{
+    if (!p)
+        return;
+    lf_pages_head *head = (lf_pages_head *)p - 1;
+    atomic_fetch_sub_explicit(&paged, head->bytes, memory_order_relaxed);
+    munmap(head, head->bytes + sizeof *head);
+}
+
+uint64_t lf_pages_bytes(void)
+{
+    return atomic_load_explicit(&paged, memory_order_relaxed);
+}
+
+uint64_t lf_pages_most(void)
+{
+    return atomic_load_explicit(&most_paged, memory_order_relaxed);
+}
+
+void lf_pages_forget(void)
+{
+    atomic_store_explicit(&most_paged, lf_pages_bytes(), memory_order_relaxed);
 }
 
 void lf_trim(void)

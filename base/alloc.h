@@ -18,6 +18,18 @@ char *lf_strdup(const char *s) __attribute__((warn_unused_result));
 /* Accepts NULL. */
 void lf_free(void *p);
 
+/* lf_calloc straight from the system, for large blocks that are used for a short time or in parts:
+ * a page uses memory from its first touch on, and lf_pages_free returns all pages at once. Release
+ * with lf_pages_free. */
+void *lf_pages(size_t n, size_t size) __attribute__((malloc, warn_unused_result));
+/* Accepts NULL. */
+void lf_pages_free(void *p);
+/* Bytes that callers of lf_pages have now, touched or not; and the most of them so far, or since
+ * the last lf_pages_forget. */
+uint64_t lf_pages_bytes(void);
+uint64_t lf_pages_most(void);
+void lf_pages_forget(void);
+
 /* Returns freed memory to the system. Takes time that grows with the number of free blocks; where a
  * client waits, another thread calls it. */
 void lf_trim(void);
@@ -29,7 +41,7 @@ void lf_trim(void);
 bool lf_advise_huge(void *p, size_t bytes);
 #define LF_HUGE_PAGE ((size_t)2 << 20)
 
-/* Number of allocations by lf_calloc and lf_strdup in this process so far. */
+/* Number of allocations by lf_calloc, lf_pages and lf_strdup in this process so far. */
 uint64_t lf_alloc_count(void);
 
 #endif

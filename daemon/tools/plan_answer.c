@@ -29,6 +29,7 @@ typedef struct answer {
     float *picture; /* [pilot row][view][column][3] */
     float *layers;  /* [pilot row][view][column][channels]; NULL: none */
     double fit;     /* memory of the fit of these rows */
+    double kept;    /* the part of it that stays after the fit */
     double writing; /* memory for a picture of these rows */
     double share;   /* of all files that these rows make */
 } answer;
@@ -69,7 +70,9 @@ static lf_status fit(answer *a)
     lf_process_forget_peak();
     const double before = lf_process_memory();
     const lf_status status = lf_renderer_fit(a->r->renderer, a->r->cancel);
-    a->fit = fmax(0, fmax(lf_process_memory(), lf_process_peak()) - before);
+    const double after = lf_process_memory();
+    a->fit = fmax(0, fmax(after, lf_process_peak()) - before);
+    a->kept = fmax(0, after - before);
     return status;
 }
 
@@ -266,6 +269,12 @@ static void take_video(const lf_rendering *r, lf_plan *plan, double pixels)
     plan->model.join = pixels * (JOIN_BYTES + a_frame * fmin(n, JOIN_FRAMES));
 }
 
+/* Memory of a fit of `rows` times the measured rows, which took `bytes`. */
+static double fit_of(const lf_plan *plan, double bytes, double rows)
+{
+    return plan->least_fit + fmax(0, bytes - plan->least_fit) * rows;
+}
+
 /* Fills the model from the measured rows. cpu: of answer, files and state. */
 static void fill_model(const answer *a, lf_plan *plan, const double cpu[3])
 {
@@ -279,8 +288,9 @@ static void fill_model(const answer *a, lf_plan *plan, const double cpu[3])
                  writing = a->share > 0 ? a->writing / a->share : 0;
     m->save_cpu = a->pilot->n_rows > 0 ? cpu[2] / a->pilot->n_rows : 0;
     m->answer_cpu = cpu[0] * rows + (a->share > 0 ? grid * cpu[1] / a->share : 0);
-    m->answer =
-        image + plan->least_fit + fmax(0, a->fit - plan->least_fit) * rows + fmax(caught, writing);
+    /* the picture is written after the fit */
+    m->answer = fmax(fit_of(plan, a->fit, rows),
+                     fit_of(plan, a->kept, rows) + image + fmax(caught, writing));
     m->join_cpu = m->answer_cpu;
     m->join = m->base + plan->film_bytes + m->answer;
     if (plan->job.is_joined)

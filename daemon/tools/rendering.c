@@ -175,8 +175,8 @@ static lf_status make_room(const lf_rendering *r, int views, int channels, float
                            lf_error *err)
 {
     if (!*picture && channels > 0)
-        *picture = lf_calloc((size_t)r->settings.height * (size_t)views,
-                             (size_t)r->settings.width * (size_t)channels * sizeof **picture);
+        *picture = lf_pages((size_t)r->settings.height * (size_t)views,
+                            (size_t)r->settings.width * (size_t)channels * sizeof **picture);
     if (*picture || channels == 0)
         return LF_OK;
     return lf_error_set(err, LF_E_NOMEM, r->arguments->out,
@@ -310,8 +310,8 @@ lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
         status = make_room(r, camera->n_views, channels, &layers, err);
     if (status == LF_OK)
         status = run_rows(r, &budget, is_grid ? film : r->film, is_grid ? layers : r->layers, err);
-    lf_free(film);
-    lf_free(layers);
+    lf_pages_free(film);
+    lf_pages_free(layers);
     return status;
 }
 
@@ -563,8 +563,8 @@ void lf_rendering_finish(lf_rendering *r)
     lf_quilt_finish(&r->quilt);
     json_decref(r->record);
     lf_profiles_finish(&r->profiles);
-    lf_free(r->film);
-    lf_free(r->layers);
+    lf_pages_free(r->film);
+    lf_pages_free(r->layers);
     lf_free(r->path);
     lf_free(r->sequence.input);
     lf_free(r->state.path);

@@ -1,7 +1,6 @@
 #include "render/film/film.h"
 
 #include <string.h>
-#include <sys/mman.h>
 
 #include "base/alloc.h"
 #include "render/film/film_difference.h"
@@ -116,9 +115,7 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     film->rows = lf_calloc((size_t)film->height, sizeof *film->rows);
     /* Mapped, so that rows use memory only from the first visit on of the row, or of a row within
      * LF_HUGE_PAGE. */
-    void *data = mmap(NULL, film->data_bytes, PROT_READ | PROT_WRITE,
-                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    film->data = data == MAP_FAILED ? NULL : data;
+    film->data = lf_pages(film->data_bytes, 1);
     if (film->data && film->data_bytes >= HUGE_FROM)
         (void)lf_advise_huge(film->data, film->data_bytes);
     if (!film->data || !film->rows || make_room(film) != LF_OK) {
@@ -131,8 +128,7 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
 
 void lf_film_finish(lf_film *film)
 {
-    if (film->data)
-        munmap(film->data, film->data_bytes);
+    lf_pages_free(film->data);
     for (int i = 0; i < film->n_allocated; i++)
         lf_free(film->streams[i].rows);
     lf_free(film->streams);

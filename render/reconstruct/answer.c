@@ -141,10 +141,9 @@ static const lf_cell *cell_of(const lf_reconstruction *r, const lf_pixels *pixel
  * dominate it. */
 static bool mean_of(const lf_cell *cell, float out[3])
 {
-    const lf_moments *a = &cell->half[0][0], *b = &cell->half[1][1];
-    const float w = a->w + b->w;
+    const float w = cell->seen[0];
     for (int c = 0; c < 3 && w >= LEAST_SEEN; c++)
-        out[c] = fmaxf(0.0f, (a->n[c] + b->n[c]) / w);
+        out[c] = fmaxf(0.0f, cell->seen[1 + c] / w);
     return w >= LEAST_SEEN;
 }
 

@@ -4,8 +4,25 @@
 
 #include "base/alloc.h"
 
+void lf_band_drop_sums(lf_band *band)
+{
+    lf_pages_free(band->sums);
+    band->sums = NULL;
+    band->sums_size = 0;
+}
+
+void lf_band_lend_sums(lf_band *to, lf_band *from)
+{
+    lf_band_drop_sums(to);
+    to->sums = from->sums;
+    to->sums_size = from->sums_size;
+    from->sums = NULL;
+    from->sums_size = 0;
+}
+
 void lf_band_finish(lf_band *band)
 {
+    lf_band_drop_sums(band);
     lf_free(band->layers);
     lf_free(band->index);
     lf_free(band->cells);
@@ -63,6 +80,20 @@ static void place_cells(lf_band *band)
     }
 }
 
+/* Zeroed sums of n cells. */
+static lf_status reserve_sums(lf_band *band, int n)
+{
+    if (n <= band->sums_size) {
+        if (n > 0)
+            memset(band->sums, 0, (size_t)n * sizeof *band->sums);
+        return LF_OK;
+    }
+    lf_band_drop_sums(band);
+    band->sums = lf_pages((size_t)n, sizeof *band->sums);
+    band->sums_size = band->sums ? n : 0;
+    return band->sums ? LF_OK : LF_E_NOMEM;
+}
+
 lf_status lf_band_reserve(lf_band *band)
 {
     int n = 0;
@@ -81,18 +112,35 @@ lf_status lf_band_reserve(lf_band *band)
     if (n > 0)
         memset(band->cells, 0, (size_t)n * sizeof *band->cells);
     place_cells(band);
-    return LF_OK;
+    return reserve_sums(band, n);
+}
+
+/* The band of the n-th cell around one, and its number there, -1: no cell. */
+static const lf_band *band_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
+                                  int *out_at, float *weight)
+{
+    const lf_around a = lf_around_at(n);
+    const int v = number + a.dv;
+    const bool is_in = v >= 0 && v < l->n_bands;
+    *out_at = is_in ? lf_band_find(&l->bands[v], cell->u + a.du, cell->z + a.dz) : -1;
+    *weight = a.weight;
+    return is_in ? &l->bands[v] : NULL;
 }
 
 const lf_cell *lf_cell_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
                               float *weight)
 {
-    const lf_around a = lf_around_at(n);
-    const int v = number + a.dv;
-    int at =
-        v >= 0 && v < l->n_bands ? lf_band_find(&l->bands[v], cell->u + a.du, cell->z + a.dz) : -1;
-    *weight = a.weight;
-    return at >= 0 ? &l->bands[v].cells[at] : NULL;
+    int at;
+    const lf_band *band = band_around(l, number, cell, n, &at, weight);
+    return at >= 0 ? &band->cells[at] : NULL;
+}
+
+const lf_cell_sums *lf_sums_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
+                                   float *weight)
+{
+    int at;
+    const lf_band *band = band_around(l, number, cell, n, &at, weight);
+    return at >= 0 ? &band->sums[at] : NULL;
 }
 
 void lf_raw_add(lf_raw_sums *to, const lf_raw_sums *from, const float shift[3])

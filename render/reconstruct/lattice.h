@@ -50,10 +50,14 @@ typedef struct lf_raw_sums {
     float known[3], albedo[3], q, pixels;
 } lf_raw_sums;
 
-typedef struct lf_cell {
-    int u, z;              /* in units of this level's cells */
+/* What a cell is fitted to: most of a fit's memory, which only exists during the fit. */
+typedef struct lf_cell_sums {
     lf_moments half[2][2]; /* [features of][weights of] the halves */
     lf_raw_sums raw;
+} lf_cell_sums;
+
+typedef struct lf_cell {
+    int u, z; /* in units of this level's cells */
     /* of the fit; then of the blend with all coarser levels */
     lf_plane node[LF_VARIANTS][3];
     float agreed, total;      /* of the shrinkage towards this level (shrink.c) */
@@ -62,7 +66,8 @@ typedef struct lf_cell {
     float own[LF_VARIANTS];   /* share of its own fit that its pivots W allow: W/(W + few) */
     /* gain of the shares by chance here, estimate and upper bound (shown_error.h) */
     float chosen, chosen_most;
-    float bright; /* share of the bounded fit (bright.h) */
+    float bright;  /* share of the bounded fit (bright.h) */
+    float seen[4]; /* W and N of both halves */
 } lf_cell;
 
 /* One depth of a band: places [u0, u0 + nu), in the index from `first` on; nu = 0: none. */
@@ -79,7 +84,9 @@ typedef struct lf_band {
     int *index;      /* number of a cell, -1: none */
     size_t n_places, index_size;
     lf_cell *cells;
-    int n, size; /* cells; allocated */
+    lf_cell_sums *sums; /* of the cells, in their order; NULL: no fit goes on */
+    int n, size;        /* cells; allocated */
+    int sums_size;      /* allocated */
 } lf_band;
 
 typedef struct lf_lattice {
@@ -155,10 +162,13 @@ static inline lf_around lf_around_at(int n)
 /* That cell, NULL: no cell; *weight: its weight. */
 const lf_cell *lf_cell_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
                               float *weight);
+/* The sums of that cell. */
+const lf_cell_sums *lf_sums_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
+                                   float *weight);
 
 /* Steps to make a band: begin with the depths [z0, z0 + nz), widen by every place, open, mark every
- * place, reserve. Then every marked place has a zeroed cell. The functions that are not inline may
- * fail with LF_E_NOMEM; call lf_band_finish also then. */
+ * place, reserve. Then every marked place has a zeroed cell and sums. The functions that are not
+ * inline may fail with LF_E_NOMEM; call lf_band_finish also then. */
 LF_NODISCARD lf_status lf_band_begin(lf_band *band, int z0, int nz);
 static inline void lf_band_widen(lf_band *band, int u, int z)
 {
@@ -173,6 +183,10 @@ static inline void lf_band_mark(lf_band *band, int u, int z)
     band->index[lf_band_place(band, u, z)] = 0;
 }
 LF_NODISCARD lf_status lf_band_reserve(lf_band *band);
+/* Returns the memory of the sums, at the end of a fit. */
+void lf_band_drop_sums(lf_band *band);
+/* Hands the memory of the sums, whose fit is over, on to another fit. */
+void lf_band_lend_sums(lf_band *to, lf_band *from);
 void lf_band_finish(lf_band *band);
 
 /* Rounded down, also for negative x. */

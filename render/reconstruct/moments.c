@@ -71,8 +71,8 @@ void lf_fitted_read(const lf_film *film, const lf_row_halves *halves, bool secon
 }
 
 /* Sums of N^2/W of both halves. */
-static void add_square(lf_cell *cell, const lf_film *film, const lf_row_halves *halves, bool second,
-                       size_t i, const lf_fitted *x)
+static void add_square(lf_cell_sums *cell, const lf_film *film, const lf_row_halves *halves,
+                       bool second, size_t i, const lf_fitted *x)
 {
     lf_pixel_found both = {.w = 0.0f};
     float nq = 0.0f;
@@ -87,9 +87,9 @@ static void add_square(lf_cell *cell, const lf_film *film, const lf_row_halves *
         cell->raw.square[c] += both.n[c] * both.n[c] / w;
 }
 
-static void add_pixel(lf_cell *cell, const lf_reconstruct_kernels *kernels, const lf_film *film,
-                      const lf_row_halves *halves, bool second, size_t i, const lf_fitted *x,
-                      float f[2][LF_FEATURES])
+static void add_pixel(lf_cell_sums *cell, const lf_reconstruct_kernels *kernels,
+                      const lf_film *film, const lf_row_halves *halves, bool second, size_t i,
+                      const lf_fitted *x, float f[2][LF_FEATURES])
 {
     for (int h = 0; h < 2; h++)
         if (x->found[h].w != 0.0f)
@@ -110,7 +110,9 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
     for (size_t i = first; i < first + (size_t)film->width; i++) {
         if (!lf_pixel_is_fitted(pixels, i))
             continue;
-        lf_cell *cell = &band->cells[lf_band_find(band, pixels->u[i], pixels->z[i])];
+        const int at = lf_band_find(band, pixels->u[i], pixels->z[i]);
+        const lf_cell *cell = &band->cells[at];
+        lf_cell_sums *sums = &band->sums[at];
         const float middle[3] = {(float)cell->u + 0.5f, (float)number + 0.5f,
                                  (float)cell->z + 0.5f};
         float f[2][LF_FEATURES];
@@ -121,8 +123,8 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
         lf_fitted_read(film, halves, pixels->second[i], i, &x);
         if (r->whole)
             lf_bright_bound(r->whole, pixels, row, i, &x);
-        add_pixel(cell, r->kernels, film, halves, pixels->second[i], i, &x, f);
-        add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i],
+        add_pixel(sums, r->kernels, film, halves, pixels->second[i], i, &x, f);
+        add_known(&sums->raw, film, known ? &known[i] : NULL, pixels->q[i],
                   pixels->albedo ? pixels->albedo[i] : NULL);
     }
 }
@@ -215,17 +217,21 @@ static void mirror(lf_moments *m)
             m->wff[i][j] = m->wff[j][i];
 }
 
-static void add_cell(const lf_reconstruct_kernels *kernels, lf_cell *to, const lf_cell *from,
-                     float side, int from_band, int to_band)
+/* The i-th cell of a band, and the cell above that contains it. */
+static void add_cell(const lf_reconstruct_kernels *kernels, const lf_band *above,
+                     const lf_band *below, int i, float side, int from_band, int to_band)
 {
+    const lf_cell *from = &below->cells[i];
+    const int at = lf_band_find(above, lf_half_of(from->u), lf_half_of(from->z));
+    const lf_cell *to = &above->cells[at];
+    lf_cell_sums *sums = &above->sums[at];
     const float t[LF_FEATURES] = {
         ((float)from->u + 0.5f) * side - ((float)to->u + 0.5f) * 2.0f * side,
         ((float)from_band + 0.5f) * side - ((float)to_band + 0.5f) * 2.0f * side,
         ((float)from->z + 0.5f) * side - ((float)to->z + 0.5f) * 2.0f * side};
-    for (int i = 0; i < 2; i++)
-        for (int j = 0; j < 2; j++)
-            kernels->move(&to->half[i][j], &from->half[i][j], 1.0f, t);
-    lf_raw_add(&to->raw, &from->raw, t);
+    for (int h = 0; h < 4; h++)
+        kernels->move(&sums->half[h >> 1][h & 1], &below->sums[i].half[h >> 1][h & 1], 1.0f, t);
+    lf_raw_add(&sums->raw, &below->sums[i].raw, t);
 }
 
 lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number)
@@ -254,16 +260,11 @@ lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number)
                          lf_half_of(below->bands[b].cells[i].z));
     if (status == LF_OK)
         status = lf_band_reserve(band);
-    for (int b = first; b < end && status == LF_OK; b++) {
-        for (int i = 0; i < below->bands[b].n; i++) {
-            const lf_cell *child = &below->bands[b].cells[i];
-            lf_cell *cell =
-                &band->cells[lf_band_find(band, lf_half_of(child->u), lf_half_of(child->z))];
-            add_cell(r->kernels, cell, child, (float)(1 << (level - 1)), b, number);
-        }
-    }
-    for (int i = 0; i < band->n; i++)
+    for (int b = first; b < end && status == LF_OK; b++)
+        for (int i = 0; i < below->bands[b].n; i++)
+            add_cell(r->kernels, band, &below->bands[b], i, (float)(1 << (level - 1)), b, number);
+    for (int i = 0; i < band->n && status == LF_OK; i++)
         for (int h = 0; h < 4; h++)
-            mirror(&band->cells[i].half[h >> 1][h & 1]);
+            mirror(&band->sums[i].half[h >> 1][h & 1]);
     return status;
 }

@@ -250,6 +250,9 @@ static lf_status fit_bounded(lf_reconstruction *r, const lf_film *film, const lf
         return status;
     r->bounded->whole = r;
     r->bounded->kernels = r->kernels;
+    for (int l = 0; l < LF_LEVELS; l++)
+        for (int i = 0; i < r->level[l].n_bands; i++)
+            lf_band_lend_sums(&r->bounded->level[l].bands[i], &r->level[l].bands[i]);
     return fit_levels(r->bounded, film, cancel);
 }
 
@@ -303,12 +306,21 @@ static lf_status fit_residual(lf_reconstruction *r, const lf_film *film, const l
     return status;
 }
 
+static void drop_sums(lf_reconstruction *r)
+{
+    for (int l = 0; r && l < LF_LEVELS; l++)
+        for (int i = 0; i < r->level[l].n_bands; i++)
+            lf_band_drop_sums(&r->level[l].bands[i]);
+}
+
 lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
     r->ready = false;
     lf_status status = fit_levels(r, film, cancel);
     if (status == LF_OK)
         status = fit_bounded(r, film, cancel);
+    drop_sums(r);
+    drop_sums(r->bounded);
     if (status == LF_OK)
         status = fit_residual(r, film, cancel);
     r->ready = status == LF_OK;

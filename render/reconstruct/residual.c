@@ -26,7 +26,7 @@ lf_residual *lf_residual_create(const lf_reconstruct_view *view)
         out->across[l] = (view->width + side - 1) / side;
         out->down[l] = (view->height + side - 1) / side;
         const size_t n = (size_t)view->n_views * (size_t)out->down[l] * (size_t)out->across[l];
-        out->tiles[l] = lf_calloc(n, sizeof *out->tiles[l]);
+        out->tiles[l] = lf_pages(n, sizeof *out->tiles[l]);
         whole = out->tiles[l];
     }
     if (whole)
@@ -42,7 +42,7 @@ void lf_residual_destroy(lf_residual *residual)
     if (!residual)
         return;
     for (int l = 0; l < LF_RESIDUAL_LEVELS; l++)
-        lf_free(residual->tiles[l]);
+        lf_pages_free(residual->tiles[l]);
     lf_free(residual->chosen);
     lf_free(residual);
 }

@@ -160,7 +160,7 @@ static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant,
 /* ------------------------------------------------------------------------------------ shares -- */
 
 /* The weight of a squared error of R in the relMSE of the image; x: approximately R there. */
-static double importance(const lf_cell *cell, const lf_plane *x, int c)
+static double importance(const lf_cell_sums *cell, const lf_plane *x, int c)
 {
     const lf_raw_sums *raw = &cell->raw;
     double pixels = fmax((double)raw->pixels, 1.0), q = (double)raw->q / pixels, w = 0.0, sum = 0.0,
@@ -182,7 +182,7 @@ typedef struct lf_worth {
     double agreed, total;
 } lf_worth;
 
-static lf_worth weigh(const lf_cell *cell, const lf_plane x[3], lf_plane against[][3],
+static lf_worth weigh(const lf_cell_sums *cell, const lf_plane x[3], lf_plane against[][3],
                       lf_plane step[LF_VARIANTS][3])
 {
     lf_worth out = {0.0, 0.0};
@@ -212,7 +212,7 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
         for (int v = 0; v < LF_VARIANTS; v++)
             for (int c = 0; c < 3; c++)
                 step[v][c] = step_of(cell, &guess, v, c);
-        lf_worth worth = weigh(cell, guess.x[LF_BOTH], guess.x, step);
+        lf_worth worth = weigh(&band->sums[i], guess.x[LF_BOTH], guess.x, step);
         cell->agreed = (float)worth.agreed;
         cell->total = (float)worth.total;
     }
@@ -230,13 +230,13 @@ static void find_step_to_past(const lf_cell *cell, const lf_plane past[3],
 
 /* All of the step, except as far as each half's data contradict the past, with the other half's
  * node moved towards it. */
-static void weigh_past(lf_cell *cell, const lf_plane past[3])
+static void weigh_past(lf_cell *cell, const lf_cell_sums *sums, const lf_plane past[3])
 {
     lf_plane step[LF_VARIANTS][3], against[2][3];
     for (int h = 0; h < 2; h++)
         memcpy(against[h], past, sizeof against[h]);
     find_step_to_past(cell, past, step);
-    lf_worth worth = weigh(cell, cell->node[LF_BOTH], against, step);
+    lf_worth worth = weigh(sums, cell->node[LF_BOTH], against, step);
     cell->agreed = (float)(worth.total + worth.agreed);
     cell->total = (float)worth.total;
 }
@@ -249,7 +249,7 @@ void lf_shrink_weigh_past(lf_reconstruction *r, int number)
         lf_plane past[3];
         cell->agreed = cell->total = 0.0f;
         if (lf_past_recall(r, number, cell, past))
-            weigh_past(cell, past);
+            weigh_past(cell, &band->sums[i], past);
     }
 }
 
@@ -258,18 +258,19 @@ void lf_shrink_weigh_raw(lf_reconstruction *r, int number)
     lf_band *band = &r->level[0].bands[number];
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
+        const lf_cell_sums *sums = &band->sums[i];
         double agreed = 0.0, total = 0.0;
         for (int c = 0; c < 3; c++) {
             const lf_plane *both = &cell->node[LF_BOTH][c];
-            double g = importance(cell, both, c), a = 0.0, t = (double)cell->raw.square[c];
+            double g = importance(sums, both, c), a = 0.0, t = (double)sums->raw.square[c];
             for (int h = 0; h < 2; h++) {
                 const lf_plane *x = &cell->node[h][c];
-                const lf_moments *m = &cell->half[h][1 - h], *own = &cell->half[h][h];
+                const lf_moments *m = &sums->half[h][1 - h], *own = &sums->half[h][h];
                 lf_plane n = found(m, c), wx = apply(m, x), off = minus(&wx, &n),
                          n_own = found(own, c), w_own = apply(own, both);
-                double seen = m->w > 0.0f ? (double)(cell->raw.weight[h] / m->w) : 0.0;
+                double seen = m->w > 0.0f ? (double)(sums->raw.weight[h] / m->w) : 0.0;
                 if (seen > 0.0)
-                    a += ((double)cell->raw.cross[h][c] - dot(&cell->raw.product[h][c], x)) *
+                    a += ((double)sums->raw.cross[h][c] - dot(&sums->raw.product[h][c], x)) *
                              fmin(1.0 / seen, MOST_STOOD_FOR) +
                          dot(x, &off);
                 t += dot(both, &w_own) - 2.0 * dot(both, &n_own);

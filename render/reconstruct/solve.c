@@ -30,7 +30,7 @@ static void gather(const lf_reconstruct_kernels *kernels, const lf_lattice *leve
     memset(sum, 0, 2 * sizeof *sum);
     for (int n = 0; n < 27; n++) {
         float weight;
-        const lf_cell *other = lf_cell_around(level, number, cell, n, &weight);
+        const lf_cell_sums *other = lf_sums_around(level, number, cell, n, &weight);
         for (int h = 0; h < 2 && other; h++)
             kernels->move(&sum[h], &other->half[h][h], weight, shifts[n]);
     }
@@ -70,6 +70,15 @@ static void fit(const lf_reconstruction *r, const lf_moments *sum, lf_cell *cell
         make(r, fits);
 }
 
+/* Keeps what is needed of the sums after the fit. */
+static void note_seen(const lf_cell_sums *sums, lf_cell *cell)
+{
+    const lf_moments *a = &sums->half[0][0], *b = &sums->half[1][1];
+    cell->seen[0] = a->w + b->w;
+    for (int c = 0; c < 3; c++)
+        cell->seen[1 + c] = a->n[c] + b->n[c];
+}
+
 void lf_solve_band(lf_reconstruction *r, int level, int number)
 {
     static const float here[LF_FEATURES];
@@ -80,6 +89,7 @@ void lf_solve_band(lf_reconstruction *r, int level, int number)
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
         lf_moments sum[LF_VARIANTS];
+        note_seen(&band->sums[i], cell);
         gather(r->kernels, &r->level[level], number, cell, shifts, sum);
         sum[LF_BOTH] = sum[LF_HALF_A];
         r->kernels->move(&sum[LF_BOTH], &sum[LF_HALF_B], 1.0f, here);

@@ -64,6 +64,32 @@ static void allocations_are_counted_and_releases_are_not(void **state)
     assert_int_equal(lf_alloc_count() - before, 2);
 }
 
+static void pages_are_zeroed_counted_and_given_back(void **state)
+{
+    (void)state;
+    const size_t n = 5 * LF_HUGE_PAGE;
+    const uint64_t before = lf_pages_bytes();
+    lf_pages_forget();
+    unsigned char *a = lf_pages(n, 1), *b = lf_pages(3, 7);
+    assert_non_null(a);
+    assert_non_null(b);
+    assert_true((uintptr_t)a % 64 == 0 && (uintptr_t)b % 64 == 0);
+    assert_true(a[0] == 0 && a[n - 1] == 0 && b[20] == 0);
+    memset(a, 1, n);
+    assert_int_equal(lf_pages_bytes() - before, n + 21);
+    lf_pages_free(a);
+    assert_int_equal(lf_pages_bytes() - before, 21);
+    assert_int_equal(lf_pages_most() - before, n + 21);
+    lf_pages_forget();
+    assert_int_equal(lf_pages_most() - before, 21);
+    lf_pages_free(b);
+    lf_pages_free(NULL);
+    volatile size_t too_much = SIZE_MAX;
+    assert_null(lf_pages(too_much, too_much));
+    assert_null(lf_pages(too_much, 1));
+    assert_int_equal(lf_pages_bytes(), before);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -72,6 +98,7 @@ int main(void)
         cmocka_unit_test(nothing_can_be_asked_for_and_freed),
         cmocka_unit_test(strings_are_copied),
         cmocka_unit_test(allocations_are_counted_and_releases_are_not),
+        cmocka_unit_test(pages_are_zeroed_counted_and_given_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,7 +9,7 @@
 #include "tests/stat/fixture.h"
 #undef lf_moments
 
-#include "render/reconstruct/lattice.h"
+#include "render/reconstruct/moments.h"
 #include "render/renderer.h"
 
 /* With a film that has features; the scene is given away. */
@@ -34,6 +34,16 @@ static inline void reconstruct_visits(lf_renderer *r, const lf_part *part, int n
 {
     for (int i = 0; i < n; i++)
         lf_assert_ok(lf_renderer_pass(r, part, 1, NULL, NULL, NULL), NULL);
+}
+
+/* The sums of the finest cells, which the fit has given back; their nodes are 0 then. */
+static inline void reconstruct_gather(lf_renderer *r)
+{
+    lf_reconstruct_scratch *scratch = lf_scratch_take(r->shown);
+    assert_non_null(scratch);
+    for (int b = 0; b < r->shown->level[0].n_bands; b++)
+        lf_assert_ok(lf_moments_gather(r->shown, &r->film, b, scratch), NULL);
+    lf_scratch_give(r->shown, scratch);
 }
 
 #endif

@@ -2,7 +2,9 @@
  * it is, and not as a fog. */
 #include "tests/render/reconstruct_testing.h"
 
+#include "base/alloc.h"
 #include "render/reconstruct/bright.h"
+#include "render/reconstruct/residual.h"
 
 enum { width = 48, height = 36, views = 5, values = 3 * width * height * views };
 
@@ -268,6 +270,49 @@ static void same_bytes_for_any_number_of_threads(void **state)
     free(five);
 }
 
+/* ------------------------------------------------------------------------------------ memory -- */
+
+static uint64_t bytes_of_sums(const lf_reconstruction *shown)
+{
+    uint64_t n = 0;
+    for (int l = 0; l < LF_LEVELS; l++)
+        for (int i = 0; i < shown->level[l].n_bands; i++) {
+            n += (uint64_t)shown->level[l].bands[i].n;
+            assert_null(shown->level[l].bands[i].sums);
+        }
+    return n * sizeof(lf_cell_sums);
+}
+
+static uint64_t bytes_of_tiles(const lf_residual *residual)
+{
+    uint64_t n = 0;
+    for (int l = 0; l < LF_RESIDUAL_LEVELS; l++)
+        n += (uint64_t)views * (uint64_t)residual->across[l] * (uint64_t)residual->down[l];
+    return n * sizeof(lf_residual_tile);
+}
+
+/* Both fits use one memory for their sums, and nothing of it is left for the tiles. */
+static void a_fit_has_the_memory_of_one(void **state)
+{
+    (void)state;
+    lf_renderer *r = renderer_of_board(NULL);
+    reconstruct_visits(r, NULL, 4);
+    make_bright(r, SAME, 0.2f, 0.5f, 0);
+    for (int fit = 0; fit < 2; fit++) {
+        lf_reconstruct_destroy(r->shown);
+        r->shown = NULL;
+        const uint64_t before = lf_pages_bytes();
+        lf_pages_forget();
+        lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+        assert_true(r->shown->is_bright);
+        const uint64_t sums = bytes_of_sums(r->shown), tiles = bytes_of_tiles(r->shown->residual);
+        assert_int_equal(bytes_of_sums(r->shown->bounded), sums);
+        assert_int_equal(lf_pages_bytes() - before, tiles);
+        assert_int_equal(lf_pages_most() - before, sums > tiles ? sums : tiles);
+    }
+    lf_renderer_destroy(r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -277,6 +322,7 @@ int main(void)
         cmocka_unit_test(where_all_is_below_zero_nothing_is_bright),
         cmocka_unit_test(highlights_are_not_worse_than_unfiltered),
         cmocka_unit_test(same_bytes_for_any_number_of_threads),
+        cmocka_unit_test(a_fit_has_the_memory_of_one),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -94,7 +94,16 @@ static void sum_level(const lf_reconstruction *r, int level, double out[LF_FEATU
         for (int n = 0; n < l->bands[b].n; n++)
             for (int i = 3; i < LF_FEATURES; i++)
                 for (int j = 3; j < LF_FEATURES; j++)
-                    out[i][j] += (double)l->bands[b].cells[n].half[0][0].wff[i][j];
+                    out[i][j] += (double)l->bands[b].sums[n].half[0][0].wff[i][j];
+}
+
+/* The sums of all levels, which the fit has given back. */
+static void sum_up(lf_renderer *r)
+{
+    reconstruct_gather(r);
+    for (int level = 1; level < LF_LEVELS; level++)
+        for (int b = 0; b < r->shown->level[level].n_bands; b++)
+            lf_assert_ok(lf_moments_coarsen(r->shown, level, b), NULL);
 }
 
 static void coarser_cells_have_what_finer_ones_have(void **state)
@@ -104,6 +113,7 @@ static void coarser_cells_have_what_finer_ones_have(void **state)
     lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), 32, 24, NULL);
     reconstruct_visits(r, NULL, 3);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    sum_up(r);
     sum_level(r->shown, 0, finest);
     assert_true(finest[LF_VIEW][LF_VIEW] > 0.0 && finest[LF_PIVOTS][LF_PIVOTS] > 1.0);
     for (int level = 1; level < LF_LEVELS; level++) {
@@ -114,7 +124,7 @@ static void coarser_cells_have_what_finer_ones_have(void **state)
                                 1e-5 * sqrt(finest[i][i] * finest[j][j]));
         for (int b = 0; b < r->shown->level[level].n_bands; b++)
             for (int n = 0; n < r->shown->level[level].bands[b].n; n++) {
-                const lf_moments *m = &r->shown->level[level].bands[b].cells[n].half[0][0];
+                const lf_moments *m = &r->shown->level[level].bands[b].sums[n].half[0][0];
                 for (int i = 0; i < LF_FEATURES; i++)
                     for (int j = 0; j < i; j++)
                         assert_true(m->wff[i][j] == m->wff[j][i]);

@@ -206,7 +206,7 @@ static double pivots_around(const lf_reconstruction *r, int band, const lf_cell 
     double sum = 0.0;
     float weight;
     for (int k = 0; k < 27; k++) {
-        const lf_cell *other = lf_cell_around(&r->level[0], band, cell, k, &weight);
+        const lf_cell_sums *other = lf_sums_around(&r->level[0], band, cell, k, &weight);
         for (int h = 0; h < 2 && other; h++)
             sum += (double)(weight * other->half[h][h].w);
     }
@@ -235,6 +235,7 @@ static void a_node_with_few_pivots_stays_with_the_level_above(void **state)
     reconstruct_visits(r, &some, 1);
     lf_assert_ok(lf_renderer_pass_fans(r, NULL), NULL);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    reconstruct_gather(r);
     for (int b = 0; b < r->shown->level[0].n_bands; b++) {
         const lf_band *band = &r->shown->level[0].bands[b];
         double(*all)[3] = malloc(sizeof *all * (size_t)(band->n + 1));

@@ -219,8 +219,9 @@ double lf_environment_power(const lf_light *light, double radius)
            (double)lf_mean3(light->radiance);
 }
 
-bool lf_environment_varies(const lf_light *light)
+bool lf_environment_varies(const lf_light *light, const lf_cone *among)
 {
+    (void)among;
     return light->environment;
 }
 
