@@ -8,9 +8,10 @@
 
 /* Samples of the first part, and light paths of each part, in chunks. */
 enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
-/* Light paths of a round: a share of the view pixels, within limits. */
-#define LEARNING_SHARE 0.3
-enum { LEAST_LEARNING = 32, MOST_LEARNING = 512 }; /* chunks */
+/* Light paths of a later round: a share of the view pixels, within limits. */
+#define LEARNING_SHARE 0.15
+/* Chunks of the first round, in which all vertices survive, and of later ones. */
+enum { FIRST_LEARNING = 16, LEAST_LEARNING = 32, MOST_LEARNING = 512 };
 enum { TILES = LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS };
 
 /* The share of the variance from which light paths pay off. */
@@ -306,7 +307,7 @@ static bool scores_failed(const learning *a)
     return failed;
 }
 
-static int learning_chunks(const lf_rig *rig)
+static int later_learning(const lf_rig *rig)
 {
     const double n = LEARNING_SHARE * rig->n_views * rig->width * rig->height / CHUNK;
     return (int)fmin(fmax(n, LEAST_LEARNING), MOST_LEARNING);
@@ -315,15 +316,14 @@ static int learning_chunks(const lf_rig *rig)
 lf_status lf_light_pilot_learns(const lf_light_pilot *pilot, lf_emitters *emitters,
                                 lf_light_plan *plan, double *out_splats)
 {
-    const int n = lf_pool_threads(pilot->pool);
-    learning a = {.pilot = pilot,
-                  .plan = plan,
-                  .workers = lf_calloc((size_t)n, sizeof *a.workers),
-                  .n_chunks = learning_chunks(pilot->rig)};
-    a.chunks = lf_calloc((size_t)a.n_chunks, sizeof *a.chunks);
+    const int n = lf_pool_threads(pilot->pool), rounds = emitters->n_cells > 0 ? ROUNDS : 1;
+    const int later = later_learning(pilot->rig);
+    learning a = {.pilot = pilot, .plan = plan, .workers = lf_calloc((size_t)n, sizeof *a.workers)};
+    a.chunks = lf_calloc((size_t)later, sizeof *a.chunks);
     double *second = lf_calloc((size_t)emitters->n_cells + 1, sizeof *second);
     lf_status status = a.workers && a.chunks && second ? LF_OK : LF_E_NOMEM;
-    for (a.round = 0; a.round < ROUNDS && status == LF_OK; a.round++) {
+    for (a.round = 0; a.round < rounds && status == LF_OK; a.round++) {
+        a.n_chunks = a.round == 0 ? FIRST_LEARNING : later;
         status = lf_pool_run(pilot->pool, a.n_chunks, learn_light, &a, NULL);
         if (status == LF_OK && scores_failed(&a))
             status = LF_E_NOMEM;
@@ -332,7 +332,7 @@ lf_status lf_light_pilot_learns(const lf_light_pilot *pilot, lf_emitters *emitte
             lf_emitters_learn(emitters, second);
         }
     }
-    for (int c = 0; a.chunks && c < a.n_chunks; c++)
+    for (int c = 0; a.chunks && c < later; c++)
         lf_free(a.chunks[c].of);
     lf_free(a.workers);
     lf_free(a.chunks);

@@ -279,11 +279,12 @@ static void a_folder_is_a_batch(void **state)
     assert_int_equal(qr_count_files(lf_test_path(d, "none")), 0);
 }
 
+/* Without those that tell a long batch's progress. */
 static int count_lines(const char *text)
 {
     int n = 0;
-    for (; *text; text++)
-        n += *text == '\n';
+    for (const char *end; (end = strchr(text, '\n')); text = end + 1)
+        n += strncmp(text, "quiltrender: image ", 19) != 0;
     return n;
 }
 

@@ -214,12 +214,12 @@ static void a_second_signal_does_not_end_a_job_that_saves(void **state)
 {
     const qr_files *f = *state;
     char line[4 * PATH_MAX], path[PATH_MAX];
-    int code = 1000 + SIGTERM;
+    int code = 0;
     snprintf(path, sizeof path, "%s/twice.lfstate", f->folder);
     snprintf(line, sizeof line, "%s -o %s/t.png --spp 10000000 --view-size 240x180 --state %s",
              f->scene, f->folder, path);
-    /* the first may come before it catches any */
-    for (int i = 1; code == 1000 + SIGTERM && access(path, F_OK) != 0 && i < 60; i++) {
+    /* the first may come before it catches any, or before it has anything to save */
+    for (int i = 1; access(path, F_OK) != 0 && i < 60; i++) {
         const int out = memfd_create("out", 0);
         const pid_t pid = qr_start(line, out, out, RLIM_INFINITY);
         siginfo_t ended = {0};
@@ -231,6 +231,7 @@ static void a_second_signal_does_not_end_a_job_that_saves(void **state)
             qr_nap(0.0005);
         }
         code = qr_ended(pid);
+        assert_true(code == 75 || code == 1000 + SIGTERM);
     }
     assert_int_equal(code, 75);
     assert_true(passes_of(path) >= 0);
