@@ -23,10 +23,8 @@ enum { GROUPS = 4 };
 /* Views of a pivot over the visits in which a pixel gets a sample of its own: an edge is found once
  * in each visit, and its views do not share it. */
 #define SHARED 0.16
-/* The gain from which a choice counts as better than another, over all pixels and in each group;
- * and that from which one suffix is left. */
+/* The gain from which twice the suffixes are better; and from which a choice is clear. */
 #define LEAST_GAIN 1.04
-#define LEAST_GROUP_GAIN 1.0
 #define CLEAR_GAIN 1.25
 /* Most of the pivots that may lie on other surfaces: their rare highlights spoil the measurement.
  */
@@ -63,7 +61,6 @@ typedef struct pixel_sample {
 typedef struct piloting {
     const lf_scene *scene;
     const lf_rig *rig;
-    const lf_light_plan *light;
     lf_tracer *tracers;
     pixel_sample *pixels;
     int max_depth;
@@ -90,25 +87,8 @@ static float half_square(lf_vec3 a, lf_vec3 b)
     return 0.5f * product(d, d);
 }
 
-/* The balance with light paths, as if all views saw the pivot. */
-static lf_light_balance balance_at(const piloting *p, int view, const lf_event *event)
+static void sample_suffixes(const piloting *p, uint64_t key, lf_tracer *tracer, split_pivot *out)
 {
-    const lf_rig *rig = p->rig;
-    const lf_vec3 d = lf_sub(event->p, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f));
-    const float z = lf_dot(d, rig->forward),
-                pixels = rig->distance * rig->distance * fabsf(lf_dot(event->hit.ng, d)) /
-                         (z * z * z * rig->dx * fabsf(rig->dy)),
-                over = pixels * (p->alone ? 1.0f : (float)rig->n_views) * LF_INV_PI;
-    return (lf_light_balance){.emitters = p->light->emitters,
-                              .scale = lf_light_balance_scale(p->light->m, over)};
-}
-
-static void sample_suffixes(const piloting *p, int view, uint64_t key, lf_tracer *tracer,
-                            split_pivot *out)
-{
-    const bool in_balance = p->light->per_pass > 0;
-    const lf_light_balance balance =
-        in_balance ? balance_at(p, view, &out->event) : (lf_light_balance){0};
     const float spread = tracer->spread;
     for (int i = 0; i < PAIR * ROULETTES; i++) {
         const int k = i / ROULETTES, roulette = i % ROULETTES;
@@ -119,8 +99,7 @@ static void sample_suffixes(const piloting *p, int view, uint64_t key, lf_tracer
         tracer->roulette = roulette == EARLY ? 1.0f - LF_ROULETTE : 0.0f;
         lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, tracer->rng, 0);
         const int64_t rays = tracer->rays;
-        lf_pilot_suffix(tracer, &out->event, &sampler, p->max_depth, in_balance ? &balance : NULL,
-                        &suffix);
+        lf_pilot_suffix(tracer, &out->event, &sampler, p->max_depth, NULL, &suffix);
         out->sum[roulette][k] = lf_pilot_radiance(p->scene, &out->event, &suffix);
         const float of_light = suffix.has_light ? 1.0f : 0.0f;
         out->rays[roulette] += (float)(tracer->rays - rays) - of_light;
@@ -193,7 +172,7 @@ static void sample_pixel(const piloting *p, int i, lf_tracer *tracer)
         if (!pivot->met)
             continue;
         pivot->diffuse = !lf_is_view_dependent(p->scene, &pivot->event);
-        sample_suffixes(p, view, key, tracer, pivot);
+        sample_suffixes(p, key, tracer, pivot);
         add_within(pivot, out);
     }
     compare(pair, out);
@@ -268,13 +247,12 @@ static double gain(const piloting *p, const tally *sum, const lf_splitting *from
     return after > 0.0 ? before / after : 1.0;
 }
 
-/* Whether a choice is clearly better than another. */
-static bool is_clear(const piloting *p, const tally sums[GROUPS + 1], const lf_splitting *from,
-                     const lf_splitting *to)
+/* Whether a choice is clearly better than one suffix. */
+static bool is_clear(const piloting *p, const tally sums[GROUPS + 1], const lf_splitting *chosen)
 {
-    bool clear = gain(p, &sums[GROUPS], from, to) > LEAST_GAIN;
+    bool clear = gain(p, &sums[GROUPS], &LF_SPLITTING_NONE, chosen) > CLEAR_GAIN;
     for (int i = 0; i < GROUPS; i++)
-        clear = clear && gain(p, &sums[i], from, to) > LEAST_GROUP_GAIN;
+        clear = clear && gain(p, &sums[i], &LF_SPLITTING_NONE, chosen) > 1.0;
     return clear;
 }
 
@@ -306,17 +284,20 @@ static lf_splitting best(const piloting *p, const tally sums[GROUPS + 1])
         return chosen;
     for (int n = 2; n <= LF_SUFFIXES_MOST && 2 * chosen.suffixes == n; n *= 2) {
         lf_splitting of_n = chosen;
+        double best_gain = LEAST_GAIN;
         for (int i = 0; i < 2 * roulettes; i++) {
             const lf_splitting other = {.suffixes = n,
                                         .lights = i % 2 ? 1 : n,
                                         .roulette = i / 2 == EARLY ? 1.0f - LF_ROULETTE : 0.0f};
-            if (is_clear(p, sums, &chosen, &other) && gain(p, &sums[GROUPS], &of_n, &other) > 1.0)
+            const double other_gain = gain(p, &sums[GROUPS], &chosen, &other);
+            if (other_gain > best_gain) {
                 of_n = other;
+                best_gain = other_gain;
+            }
         }
         chosen = of_n;
     }
-    return gain(p, &sums[GROUPS], &LF_SPLITTING_NONE, &chosen) > CLEAR_GAIN ? chosen
-                                                                            : LF_SPLITTING_NONE;
+    return is_clear(p, sums, &chosen) ? chosen : LF_SPLITTING_NONE;
 }
 
 static bool has_diffuse(const lf_scene *scene)
@@ -345,21 +326,19 @@ static lf_status find(piloting *p, lf_pool *pool, lf_splitting *out)
 }
 
 lf_status lf_splitting_choose(const lf_integrator_input *input, const lf_scene *seen,
-                              const lf_rig *rig, const lf_light_plan *light, bool alone,
-                              lf_splitting *out)
+                              const lf_rig *rig, bool light_paths, bool alone, lf_splitting *out)
 {
     const lf_render_settings *settings = input->settings;
     const int n = settings->suffixes;
     piloting p = {.scene = seen,
                   .rig = rig,
-                  .light = light,
                   .max_depth = lf_max_depth(input->scene, settings->max_depth),
                   .alone = alone};
     *out = LF_SPLITTING_NONE;
     if (n == 0 || !lf_splitting_serves(input->scene, settings) || !has_diffuse(seen))
         return LF_OK;
     if (n == LF_SUFFIXES_AUTO)
-        return find(&p, input->pool, out);
+        return light_paths ? LF_OK : find(&p, input->pool, out);
     *out = (lf_splitting){.suffixes = n,
                           .lights = settings->one_light ? 1 : n,
                           .roulette = settings->early_roulette ? 1.0f - LF_ROULETTE : 0.0f};

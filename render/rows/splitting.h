@@ -14,10 +14,10 @@
 /* Whether the pilot can judge a scene and its view. Others have LF_SPLITTING_NONE. */
 bool lf_splitting_serves(const lf_scene *scene, const lf_render_settings *settings);
 
-/* Chooses as input->settings says. light: what light paths do; per_pass 0: nothing. alone: each
- * pivot serves one view. LF_E_NOMEM. */
+/* Chooses as input->settings says. light_paths: there are some, and the pilot does not run. alone:
+ * each pivot serves one view. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_splitting_choose(const lf_integrator_input *input, const lf_scene *seen,
-                                           const lf_rig *rig, const lf_light_plan *light,
-                                           bool alone, lf_splitting *out);
+                                           const lf_rig *rig, bool light_paths, bool alone,
+                                           lf_splitting *out);
 
 #endif

@@ -161,7 +161,6 @@ static void threads_do_not_matter(void **state)
 
 static lf_splitting chosen(const char *text, const char *integrator)
 {
-    lf_test_light_paths(0);
     lf_test_suffixes(LF_SUFFIXES_AUTO, false, false);
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
@@ -173,6 +172,7 @@ static lf_splitting chosen(const char *text, const char *integrator)
 
 static bool splits(const char *text, const char *integrator)
 {
+    lf_test_light_paths(0);
     const lf_splitting of = chosen(text, integrator);
     assert_true(of.suffixes > 1 || (of.lights == 1 && of.roulette == 0.0f));
     return of.suffixes > 1;
@@ -188,7 +188,9 @@ static void the_pilot_splits_in_a_room_and_not_in_the_open(void **state)
     assert_true(splits(room, "vpt"));
     assert_false(splits(open, "mvpt"));
     assert_false(splits(open, "vpt"));
-    /* integrators and scenes without it */
+    /* light paths, which find the same light; integrators and scenes without it */
+    lf_test_light_paths(PATHS);
+    assert_int_equal(chosen(room, "mvpt").suffixes, 1);
     assert_false(splits(room, "amvpt"));
     assert_false(splits(lf_test_scene_text("mixed"), "mvpt"));
 }
