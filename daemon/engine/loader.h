@@ -28,6 +28,7 @@ typedef enum lf_load_kind {
 /* The part of a load that serves to find and cancel it. */
 typedef struct lf_load_job {
     int64_t id;                      /* number given by the poster */
+    int64_t turn;                    /* the poster's: lf_playlist_state.turn; 0: none */
     const char *method;              /* the poster's: the call that waits, static; NULL: none */
     struct lf_load *earlier, *later; /* the poster's: neighbours in the queue */
     int looks;                       /* the poster's: how often it was seen in progress */

@@ -13,6 +13,7 @@ struct lf_playlist {
     void *context;
     lf_pace pace;
     lf_playlist_entry *entries; /* owned */
+    int64_t turn;               /* lf_playlist_state */
     int n, index;
     lf_playlist_how how;
     bool playing, paused;
@@ -74,6 +75,7 @@ static bool is_once(const lf_playlist *playlist)
 lf_playlist_state lf_playlist_now(const lf_playlist *playlist)
 {
     return (lf_playlist_state){.entries = playlist->entries,
+                               .turn = playlist->turn,
                                .n = playlist->n,
                                .index = playlist->index,
                                .playing = playlist->playing,
@@ -98,6 +100,12 @@ static void drop_load(lf_playlist *playlist)
     playlist->events.vain(playlist->context);
 }
 
+static void want(lf_playlist *playlist)
+{
+    playlist->wanted = true;
+    playlist->turn++;
+}
+
 /* Loads the current entry, after the load in progress. */
 static void load_wanted(lf_playlist *playlist)
 {
@@ -113,7 +121,7 @@ static void load_wanted(lf_playlist *playlist)
 static void choose(lf_playlist *playlist, int index)
 {
     playlist->index = index;
-    playlist->wanted = true;
+    want(playlist);
     playlist->loaded = playlist->timed = playlist->over = false;
     playlist->ended = playlist->holds = false;
     lf_pace_rest(&playlist->pace);
@@ -323,7 +331,7 @@ static void keep(lf_playlist *playlist, int index, bool changed)
     if (playlist->timed)
         set_timer(playlist);
     if (changed) {
-        playlist->wanted = true;
+        want(playlist);
         load_wanted(playlist);
     }
 }

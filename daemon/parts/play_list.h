@@ -45,6 +45,7 @@ typedef struct lf_playlist_events {
 /* What is known of it; borrowed until the next call. */
 typedef struct lf_playlist_state {
     const lf_playlist_entry *entries;
+    int64_t turn; /* counts the times that an entry was to be loaded; of the last one */
     int n;
     int index; /* of the current entry; 0 without entries */
     bool playing;

@@ -106,6 +106,15 @@ static json_t *camera_of(const lf_scene *scene)
     return scene ? json_object_get(lf_scene_json(scene), "camera") : NULL;
 }
 
+static void tell_scene(const lf_server *server, const lf_load *load)
+{
+    json_t *told = json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
+                             lf_rpc_text(server->content->file));
+    if (told && load->job.turn > 0)
+        (void)json_object_set_new(told, "turn", json_integer(load->job.turn));
+    lf_notify(server->clients, LF_EVENT_SCENE, "scene", told);
+}
+
 static void load_succeeded(lf_server *server, lf_load *load)
 {
     if (load->committed) {
@@ -119,9 +128,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
                                                          .passes = load->restored});
         if (!load->goes_on)
             lf_saver_begin(server->saver);
-        lf_notify(server->clients, LF_EVENT_SCENE, "scene",
-                  json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
-                            lf_rpc_text(server->content->file)));
+        tell_scene(server, load);
         if (load->kind == LF_LOAD_FILE) {
             server->life.words = load->words;
             lf_presses_file(server->presses, camera_of(server->content->scene), load->job.browsed);

@@ -32,11 +32,12 @@ static json_t *whole_json(const lf_playlist_state *state, const lf_played_folder
     json_t *entries = json_array();
     for (int i = 0; i < state->n; i++)
         (void)json_array_append_new(entries, lf_server_entry_json(&state->entries[i]));
-    return json_pack("{s:o, s:o, s:b, s:i, s:b, s:b, s:b, s:f, s:f}", "entries", entries, "folder",
-                     folder->path ? lf_rpc_text(folder->path) : json_null(), "more",
-                     (int)folder->more, "index", state->index, "playing", (int)state->playing,
-                     "paused", (int)state->paused, "loop", (int)state->how.loop, "seconds",
-                     state->how.seconds, "crossfade", state->how.crossfade);
+    return json_pack("{s:o, s:o, s:b, s:i, s:I, s:b, s:b, s:b, s:f, s:f}", "entries", entries,
+                     "folder", folder->path ? lf_rpc_text(folder->path) : json_null(), "more",
+                     (int)folder->more, "index", state->index, "turn", (json_int_t)state->turn,
+                     "playing", (int)state->playing, "paused", (int)state->paused, "loop",
+                     (int)state->how.loop, "seconds", state->how.seconds, "crossfade",
+                     state->how.crossfade);
 }
 
 json_t *lf_server_whole_playlist_json(const lf_server *server)

@@ -33,6 +33,7 @@ static bool on_due(void *context, const lf_playlist_entry *entry, bool once)
     }
     load->words.plays_once = once;
     load->job.listed = load->fresh = true;
+    load->job.turn = lf_playlist_now(server->gallery.playlist).turn;
     lf_server_load(server, load, NULL);
     server->gallery.listed = load->job.id;
     return true;

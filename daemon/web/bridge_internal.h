@@ -44,6 +44,7 @@ struct lf_bridge_call {
     int index;                   /* of an entry */
     int current;                 /* the entry on the panel, before it */
     uint64_t scenes;             /* of lf_bridge, before it */
+    json_int_t turn;             /* of quiltd's slideshow, that it waits for */
     bool is_exact;               /* no other entry than `index` is waited for */
     bool shows_again;            /* what is changed is seen */
     json_t *kept, *said, *entry; /* NULL: nothing */
@@ -70,6 +71,7 @@ struct lf_bridge {
     lf_bridge_shown shown;
     char on_panel[4096]; /* file that quiltd has shown last */
     uint64_t scenes;     /* that quiltd has shown */
+    json_int_t turn;     /* of its slideshow, that it has shown last */
     char reason[256];    /* why quiltd has skipped an entry last */
     bool has_panel, knows_panel;
     bool measures_panel; /* its size is asked for, for Monitor Connect */

@@ -108,6 +108,12 @@ int lf_bridge_show_patience(sd_event_source *source, uint64_t usec, void *contex
 
 static void look_at_panel(lf_bridge *bridge);
 
+/* The image that quiltd has begun to load by this answer, not one that it has loaded before. */
+static void take_turn(lf_bridge_call *call, const json_t *result)
+{
+    call->turn = json_integer_value(json_object_get(result, "turn"));
+}
+
 /* A call that waited before, for the same slideshow, does not know whether its own image comes. */
 static void wait_for_image(lf_bridge_call *call)
 {
@@ -141,6 +147,7 @@ void lf_bridge_show_await(lf_bridge_call *call, const json_t *result)
 {
     call->index = (int)json_integer_value(json_object_get(result, "index"));
     call->is_exact = true;
+    take_turn(call, result);
     wait_for_image(call);
 }
 
@@ -196,6 +203,7 @@ static void on_played(lf_bridge_call *call, const json_t *result, const char *wh
     snprintf(bridge->shown.name, sizeof bridge->shown.name, "%s", call->list->name);
     lf_bridge_show_take(call, result);
     bridge->shown.playing = true;
+    take_turn(call, result);
     wait_for_image(call);
 }
 
@@ -337,7 +345,7 @@ static void look_at_panel(lf_bridge *bridge)
     const lf_bridge_call *call = bridge->waiting;
     const char *file = json_string_value(json_array_get(shown->files, (size_t)shown->index));
     const bool is_there = file && strcmp(file, bridge->on_panel) == 0;
-    if (is_there && call && bridge->scenes != call->scenes &&
+    if (is_there && call && bridge->scenes != call->scenes && bridge->turn >= call->turn &&
         (call->is_exact ? wants(call, shown->index) : shown->playing))
         complete_waiting(bridge);
     if (!is_there || !shown->playing)
@@ -400,7 +408,9 @@ void lf_bridge_show_note(lf_bridge *bridge, const char *method, const json_t *pa
         note_log(bridge, params);
     } else if (strcmp(method, "scene") == 0) {
         const char *file = json_string_value(json_object_get(params, "file"));
+        const json_t *turn = json_object_get(params, "turn");
         bridge->scenes++;
+        bridge->turn = turn ? json_integer_value(turn) : bridge->turn;
         snprintf(bridge->on_panel, sizeof bridge->on_panel, "%s", file ? file : "");
         look_at_panel(bridge);
     }

@@ -65,6 +65,37 @@ static void bad_entries_are_skipped_and_if_all_are_bad_it_stops(void **state)
     end(&h);
 }
 
+/* -1: of none. */
+static json_int_t turn_told(hall *h)
+{
+    json_t *message = next_told(h, "scene");
+    const json_t *turn = json_object_get(json_object_get(message, "params"), "turn");
+    const json_int_t number = turn ? json_integer_value(turn) : -1;
+    json_decref(message);
+    return number;
+}
+
+static void an_image_has_the_turn_of_the_answer(void **state)
+{
+    static const char *const steps[] = {"playlist.play", "playlist.next"};
+    (void)state;
+    hall h;
+    begin(&h);
+    set(&h, "fog.json a.png", LONG, true);
+    for (int i = 0; i < 2; i++) {
+        json_t *answer = live_call(&h.c, steps[i], NULL);
+        assert_int_equal(
+            json_integer_value(json_object_get(json_object_get(answer, "result"), "turn")), i + 1);
+        json_decref(answer);
+        assert_int_equal(turn_told(&h), i + 1);
+        if (i == 0) {
+            assert_int_equal(live_code(&h.c, "camera.orbit", json_pack("{s:i}", "yaw", 5)), 0);
+            assert_int_equal(turn_told(&h), -1);
+        }
+    }
+    end(&h);
+}
+
 static void another_scene_ends_it_and_changes_do_not(void **state)
 {
     (void)state;
@@ -259,6 +290,7 @@ int main(void)
         cmocka_unit_test(pictures_and_a_scene_come_in_turn),
         cmocka_unit_test(without_loop_it_ends_and_says_so),
         cmocka_unit_test(bad_entries_are_skipped_and_if_all_are_bad_it_stops),
+        cmocka_unit_test(an_image_has_the_turn_of_the_answer),
         cmocka_unit_test(another_scene_ends_it_and_changes_do_not),
         cmocka_unit_test(buttons_step_through_it_while_it_plays),
         cmocka_unit_test(next_and_previous_step_while_it_is_stopped),

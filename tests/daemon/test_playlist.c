@@ -18,6 +18,23 @@ static void entries_come_in_turn_each_for_its_time(void **state)
     }
 }
 
+/* Each load has a turn of its own, also one that takes the place of another. */
+static void turns_count_what_is_to_be_loaded(void **state)
+{
+    owner *o = *state;
+    set(o, "ab", true);
+    assert_int_equal(lf_playlist_now(o->list).turn, 0);
+    lf_playlist_play(o->list, -1);
+    assert_int_equal(lf_playlist_now(o->list).turn, 1);
+    lf_playlist_step(o->list, 1); /* while the first is loaded */
+    assert_int_equal(lf_playlist_now(o->list).turn, 2);
+    lf_playlist_pause(o->list, true);
+    lf_playlist_play(o->list, 1);
+    assert_int_equal(lf_playlist_now(o->list).turn, 3);
+    lf_playlist_stop(o->list);
+    assert_int_equal(lf_playlist_now(o->list).turn, 3);
+}
+
 static void the_time_counts_from_the_first_coarse_frame(void **state)
 {
     owner *o = *state;
@@ -418,6 +435,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         list_test(entries_come_in_turn_each_for_its_time),
+        list_test(turns_count_what_is_to_be_loaded),
         list_test(the_time_counts_from_the_first_coarse_frame),
         list_test(a_frame_that_is_shown_before_the_load_is_told_counts),
         list_test(without_loop_the_last_entry_is_the_end),

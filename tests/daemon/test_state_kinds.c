@@ -110,6 +110,10 @@ static const kind_case cases[] = {
     {"puff", "f.png", "--spp 2 --frames 2:4", 0},
     {"puff", "f.exr", "--spp 2 --frames 2:4 --denoise off", 0},
     {"puff", "f.mp4", "--spp 2 --frames 2:3", 3},
+    /* with light paths, in both sums that they may go to */
+    {"corner", "c.exr", "--spp 2 --denoise off", 1},
+    {"corner", "c.png", "--spp 2 --denoise on", 1},
+    {"corner", "c.exr", "--spp 2 --integrator vpt", 1},
 };
 
 static void write_scenes(const qr_files *f)
@@ -123,6 +127,7 @@ static void write_scenes(const qr_files *f)
     lf_test_write(f->folder, "ring.json",
                   "{ \"include\": \"fog.json\", \"camera\": { \"views\": { \"circle\": { "
                   "\"count\": 4 } } } }\n");
+    lf_test_write(f->folder, "corner.json", lf_test_scene_text("glossy-corner"));
     lf_test_write(f->folder, "puff.json",
                   lf_test_scene_patched("moving-puff", "{'camera': {'shutter': 2, 'views': 3}}"));
 }

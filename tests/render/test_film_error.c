@@ -345,6 +345,44 @@ static void errors_before_glints_are_what_is_stated(void **state)
     assert_coverage(held, 3 * n * runs);
 }
 
+/* ------------------------------------------------------------------------------- light paths -- */
+
+#define NINE_VIEWS "'camera': {'views': 9, 'aspect': 0.6667}"
+static const lit_scene caustic_scenes[] = {
+    {"suns in rough mirrors", "glossy-corner", "{" NINE_VIEWS "}"},
+    {"a mirror before a floor with holes", "glossy-corner",
+     "{" NINE_VIEWS ", 'materials': {'floor': {'alpha': 0.6}, 'wall': {'roughness': 0.2}}}"},
+    {"a sun of half a degree in a mirror", "sun-off-mirror",
+     "{" NINE_VIEWS ", 'lights': {'sun': {'angle': 0.53}}}"},
+};
+
+/* Each half has light paths of its own, so their difference shows the error. Limits and false
+ * alarms are those beside lamps, with as many runs. */
+static void errors_with_light_paths_are_what_is_stated(void **state)
+{
+    (void)state;
+    int n = (int)(sizeof caustic_scenes / sizeof caustic_scenes[0]), held = 0,
+        runs = lf_test_long() ? lit_most : 12;
+    lf_test_light_paths(LF_LIGHT_PATHS_AUTO);
+    for (int i = 0; i < n; i++) {
+        lit_result result[3] = {{.held = 0}};
+        run_lit(&caustic_scenes[i], 6, 0, runs, result);
+        print_message("%-40s", caustic_scenes[i].name);
+        for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++) {
+            double error, ratio = stated_to_true(&result[e], &error);
+            print_message("  %s %.2f +- %.2f (%.1f %%, %.3g)", lf_estimator_name((lf_estimator)e),
+                          ratio, ratio * error, 100.0 * result[e].held / runs,
+                          result[e].ratio.mean);
+            held += result[e].held;
+            assert_true(error < 0.27);
+            assert_true(log(ratio) > log(0.7) - 4 * error && log(ratio) < log(1.5) + 4 * error);
+        }
+        print_message("\n");
+    }
+    lf_test_light_paths(0);
+    assert_coverage(held, 3 * n * runs);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -355,6 +393,7 @@ int main(void)
         cmocka_unit_test(bounds_hold_with_narrow_lobes),
         cmocka_unit_test(errors_beside_lamps_are_what_is_stated),
         cmocka_unit_test(errors_before_glints_are_what_is_stated),
+        cmocka_unit_test(errors_with_light_paths_are_what_is_stated),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -15,9 +15,9 @@ json_t *lf_false_notification(const char *method, json_t *params)
 
 json_t *lf_false_slideshow_json(const lf_false_slideshow *s)
 {
-    return json_pack("{s:o, s:i, s:b, s:b, s:b}", "entries",
+    return json_pack("{s:o, s:i, s:i, s:b, s:b, s:b}", "entries",
                      s->entries ? json_deep_copy(s->entries) : json_array(), "index", s->index,
-                     "playing", s->playing, "paused", s->paused, "loop", s->loop);
+                     "turn", s->turn, "playing", s->playing, "paused", s->paused, "loop", s->loop);
 }
 
 static const char *file_at(const lf_false_slideshow *s, int index)
@@ -41,6 +41,7 @@ static void show(lf_false_slideshow *s, lf_false_answer *out)
 {
     const int n = (int)json_array_size(s->entries), first = s->index;
     s->playing = true;
+    s->turn++;
     note_list(s, &out->before);
     out->result = lf_false_slideshow_json(s);
     if (s->is_hanging)
@@ -50,8 +51,9 @@ static void show(lf_false_slideshow *s, lf_false_answer *out)
         char words[80];
         if (!is_below(file, "/bad") && !s->is_spoilt) {
             s->index = (first + i) % n;
-            note(&out->after, lf_false_notification(
-                                  "scene", json_pack("{s:i, s:s}", "generation", 8, "file", file)));
+            note(&out->after,
+                 lf_false_notification("scene", json_pack("{s:i, s:s, s:i}", "generation", 8,
+                                                          "file", file, "turn", s->turn)));
             if (i > 0)
                 note_list(s, &out->after);
             return;

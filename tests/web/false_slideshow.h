@@ -13,7 +13,7 @@ typedef struct lf_false_slideshow {
     bool is_hanging; /* nothing that is played is ever shown */
     bool is_spoilt;  /* no file can be shown any more */
     json_t *entries; /* NULL: none */
-    int index;
+    int index, turn;
     bool playing, paused, loop;
 } lf_false_slideshow;
 

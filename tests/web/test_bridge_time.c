@@ -224,6 +224,28 @@ static void a_change_takes_the_place_of_another(void **state)
     close_behind(&b);
 }
 
+/* quiltd loads an entry when it has answered; what it has loaded before may be told after that. */
+static void an_image_of_an_earlier_turn_is_not_waited_for(void **state)
+{
+    (void)state;
+    behind b;
+    open_behind(&b);
+    int fd = play(&b);
+    say(b.quiltd, shown);
+    assert_non_null(strstr(receive(fd), "\"Completion\""));
+    fd = begin_with_token(&b, "update_current_entry", "\"name\":\"a\",\"zoom\":2");
+    answer(&b, "playlist.change",
+           "{\"entries\":[{\"file\":\"/a.png\"}],\"index\":0,\"turn\":7,\"playing\":true}");
+    say(b.quiltd, "{\"jsonrpc\":\"2.0\",\"method\":\"scene\",\"params\":{\"file\":\"/a.png\","
+                  "\"turn\":6}}\n");
+    say(b.quiltd, shown); /* read again by itself: of no turn */
+    assert_true(is_open(fd));
+    say(b.quiltd, "{\"jsonrpc\":\"2.0\",\"method\":\"scene\",\"params\":{\"file\":\"/a.png\","
+                  "\"turn\":7}}\n");
+    assert_non_null(strstr(receive(fd), "\"Completion\""));
+    close_behind(&b);
+}
+
 static void fail_once(const behind *b)
 {
     assert_non_null(strstr(receive(begin_put(b, "cancel_pending", "{}")), "\"Failure\""));
@@ -432,6 +454,7 @@ int main(void)
         timed(another_playlist_takes_the_place),
         timed(a_stop_is_told_as_one),
         timed(a_change_takes_the_place_of_another),
+        timed(an_image_of_an_earlier_turn_is_not_waited_for),
         timed(versions_are_told_at_once),
         timed(the_same_failure_is_logged_again),
         timed(without_quiltd_no_panel_is_told),

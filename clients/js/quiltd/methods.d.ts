@@ -739,6 +739,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -806,6 +808,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -876,6 +880,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -943,6 +949,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -1013,6 +1021,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -1123,6 +1133,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -1190,6 +1202,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -1257,6 +1271,8 @@ export interface Calls {
       "more"?: boolean;
       /** number of the current entry, from 0 [count] */
       "index"?: number;
+      /** times that the slideshow has begun to load an entry [count] */
+      "turn"?: number;
       /** true: the entries are shown in turn */
       "playing"?: boolean;
       /** true: the time of the current entry is stopped */
@@ -1843,6 +1859,8 @@ export interface Notifications {
     "generation"?: number;
     /** file of the scene */
     "file"?: string;
+    /** turn of the slideshow that loaded it; absent: loaded otherwise [count] */
+    "turn"?: number;
   };
   /** progress of reading a scene file, sent twice per second */
   "scene.load": {
@@ -1987,6 +2005,8 @@ export interface Notifications {
     "more"?: boolean;
     /** number of the current entry, from 0 [count] */
     "index"?: number;
+    /** times that the slideshow has begun to load an entry [count] */
+    "turn"?: number;
     /** true: the entries are shown in turn */
     "playing"?: boolean;
     /** true: the time of the current entry is stopped */
