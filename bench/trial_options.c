@@ -34,8 +34,8 @@ void lf_trial_print_help(void)
            "  --epsilon E               epsilon of relMSE (0.01)\n"
            "  --json FILE               write all results as JSON (-: standard output)\n"
            "  --csv FILE                write the numbers as CSV (-: standard output)\n");
-    lf_param_print_help(lf_option_params,
-                        LF_OPTIONS_VIEWS " calibration sampler max-depth light-paths skip threads");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS
+                        " calibration sampler max-depth light-paths suffixes skip threads");
     lf_param_print_help(lf_integrator_params(), NULL);
     printf("  --seed S               random seed of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
@@ -80,12 +80,12 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                          lf_trial_options *options, bool *out_done, lf_error *err)
 {
     takers to = {options, command};
-    const lf_options_part parts[] = {{lf_option_params,
-                                      LF_OPTIONS_VIEWS
-                                      " calibration target-error light-paths " LF_OPTIONS_RENDER,
-                                      &options->common},
-                                     {lf_integrator_params(), NULL, &options->common.choices},
-                                     {0}};
+    const lf_options_part parts[] = {
+        {lf_option_params,
+         LF_OPTIONS_VIEWS " calibration target-error light-paths suffixes " LF_OPTIONS_RENDER,
+         &options->common},
+        {lf_integrator_params(), NULL, &options->common.choices},
+        {0}};
     const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,
                                     .letters = ":",
                                     .parts = parts,

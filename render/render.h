@@ -148,7 +148,7 @@ typedef struct lf_integrator_entry {
     /* output files are denoised by default; false: it is a reference to compare with, or has no
      * reconstruction */
     bool reconstructs;
-    bool takes_light_paths; /* lf_render_settings.light_paths */
+    bool takes_light_paths; /* lf_render_settings.light_paths, and suffixes */
     bool remembers;         /* it has state besides its film: lf_renderer_passes_after refuses it */
     bool spreads;           /* paths of a row reach others: the film receives a pass as a whole */
     /* supported traits of a scene and its view; lf_renderer_create refuses others */
@@ -220,8 +220,16 @@ typedef struct lf_render_settings {
      * LF_LIGHT_PATHS_AUTO: a number that suits the scene; 0: none
      * (docs/developer/estimators/light-paths.md) */
     int light_paths;
+    /* Paths after each point of a diffuse surface that a camera sees: 1, 2, 4 or 8; 0: 1.
+     * LF_SUFFIXES_AUTO: as the variance in the scene suggests. In scenes and with integrators that
+     * support it (docs/developer/estimators/splitting.md) */
+    int suffixes;
+    /* If suffixes is above 1: whether they share one light sample, and whether roulette begins
+     * below throughput 1. LF_SUFFIXES_AUTO finds both itself */
+    bool one_light, early_roulette;
 } lf_render_settings;
 enum { LF_LIGHT_PATHS_AUTO = -1, LF_LIGHT_PATHS_MOST = 1 << 24 };
+enum { LF_SUFFIXES_AUTO = -1, LF_SUFFIXES_MOST = 8 };
 
 /* ----------------------------------------------------------------------------------- framing -- */
 

@@ -36,7 +36,7 @@ $(foreach t,http gateway ws cbor nng,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
-test_faults_render := render/transport/light/emitters.c render/transport/path/path.c $(patsubst %,render/rows/%.c,unscattered extinction_chromatic extinction_grey \
+test_faults_render := render/transport/light/emitters.c render/transport/path/path.c $(patsubst %,render/rows/%.c,unscattered vpt extinction_chromatic extinction_grey \
  equiangular_visit light_connect light_paths mvpt prefix_factor visit visit_cut)
 
 # what statistical tests share

@@ -38,6 +38,7 @@ const char *lf_denoise_name(int index)
 
 static const char *const exposures[] = {"auto", "scene", NULL};
 static const char *const light_paths[] = {"auto", "none", NULL};
+static const char *const suffixes[] = {"auto", NULL};
 
 /* Of reference modes --help has only the names. */
 static const char *sharing_at(int index)
@@ -92,6 +93,10 @@ const lf_param lf_option_params[] = {
      .has = offsetof(lf_options, tracing.has_light_paths), .low = 1, .high = LF_LIGHT_PATHS_MOST,
      .words = light_paths,
      .help = "paths traced from lights, for each pass; auto: as the scene needs (auto)"},
+    {.option = "suffixes", .argument = "auto|N", PLACE(tracing.suffixes),
+     .has = offsetof(lf_options, tracing.has_suffixes), .low = 1, .high = LF_SUFFIXES_MOST,
+     .words = suffixes,
+     .help = "paths from each point of a diffuse surface; auto: as the scene needs (auto)"},
     {.option = "skip", .argument = "all|none|LIST", PLACE(tracing.skip),
      .has = offsetof(lf_options, tracing.has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
      .help = "optimisations to use where the scene allows them (all)"},
@@ -348,6 +353,17 @@ static int light_paths_of(const lf_options *options)
     return (int)lround(options->tracing.light_paths);
 }
 
+/* lf_render_settings.suffixes. */
+static int suffixes_of(const lf_options *options)
+{
+    if (!options->tracing.has_suffixes)
+        return options->tracing.offline ? LF_SUFFIXES_AUTO : 0;
+    if (isinf(options->tracing.suffixes))
+        return LF_SUFFIXES_AUTO;
+    const int n = (int)lround(options->tracing.suffixes);
+    return n > 1 ? n : 0;
+}
+
 lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
                           const lf_calibration *calibration, lf_render_settings *out_settings,
                           lf_layout *out_layout, lf_error *err)
@@ -359,6 +375,7 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .light_paths = light_paths_of(options),
+        .suffixes = suffixes_of(options),
         .skip = options->tracing.has_skip ? options->tracing.skip : LF_SKIP_ALL,
         .features = options->denoise == LF_DENOISE_ON || options->layers & LF_LAYER_DEPTH ||
                     options->guides,

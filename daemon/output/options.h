@@ -55,13 +55,15 @@ typedef struct lf_import_options {
     double memory; /* GiB; 0 = half of the machine's */
 } lf_import_options;
 
-/* Optimisations, and paths from lights. */
+/* Optimisations, paths from lights, and paths from diffuse surfaces. */
 typedef struct lf_tracing_options {
     bool has_skip;        /* it was given */
     bool has_light_paths; /* it was given */
-    bool offline;         /* light paths are taken unless refused */
+    bool has_suffixes;    /* it was given */
+    bool offline;         /* light paths and suffixes are chosen unless given */
     unsigned skip;        /* bits of lf_skip */
     double light_paths;   /* a number of paths; INFINITY: auto, -INFINITY: none */
+    double suffixes;      /* a number; INFINITY: auto */
 } lf_tracing_options;
 
 /* Values of the shared options. Zero and NULL mean "not given" unless stated. Zeroed is a valid

@@ -88,12 +88,15 @@ void lf_render_words_settings(lf_render_words *words, const lf_render_settings *
         .tracing.has_light_paths = settings->light_paths != LF_LIGHT_PATHS_AUTO,
         .tracing.light_paths =
             settings->light_paths > 0 ? settings->light_paths : (double)-INFINITY,
+        .tracing.has_suffixes = settings->suffixes != LF_SUFFIXES_AUTO,
+        .tracing.suffixes = settings->suffixes > 0 ? settings->suffixes : 1,
         .tracing.has_skip = settings->skip != LF_SKIP_ALL,
         .tracing.skip = settings->skip,
         .denoise = denoise ? LF_DENOISE_ON : LF_DENOISE_OFF};
     lf_render_words_differing(
         words, lf_option_params,
-        "integrator estimator sampler max-depth light-paths skip seed denoise", &options, &none);
+        "integrator estimator sampler max-depth light-paths suffixes skip seed denoise", &options,
+        &none);
     for (const lf_param *row = lf_integrator_params(); !is_end(row); row = lf_param_next(row))
         if (lf_param_differs(row, &settings->choices, &none.choices))
             lf_render_words_row(words, row, &settings->choices);

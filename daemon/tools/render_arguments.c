@@ -67,11 +67,11 @@ const lf_param lf_state_params[] = {
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
                                               "target-denoised-error target-shown-error aov"
-                                              " fit guides light-paths";
+                                              " fit guides light-paths suffixes";
 static const char of_depth[] = "chroma-depth depthiness depth-cutoff";
 /* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
-    "integrator estimator sampler max-depth light-paths skip seed target-error "
+    "integrator estimator sampler max-depth light-paths suffixes skip seed target-error "
     "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)

@@ -47,7 +47,7 @@ void lf_render_help(void)
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
     printf("\nHow to render:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " light-paths");
+    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " light-paths suffixes");
     lf_param_print_help(lf_integrator_params(), NULL);
     lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
     printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "

@@ -8,11 +8,15 @@
 void lf_light_connect_init(lf_light_connect *connect, const lf_scene *scene, const lf_rig *rig,
                            lf_scratch *worker, const lf_light_plan *plan)
 {
-    *connect = (lf_light_connect){
-        .visit = {.scene = scene, .rig = rig, .kernels = lf_kernels_get(), .worker = worker},
-        .plan = plan,
-        .view = -1};
+    *connect = (lf_light_connect){.visit = {.scene = scene,
+                                            .rig = rig,
+                                            .kernels = lf_kernels_get(),
+                                            .splitting = plan->splitting,
+                                            .worker = worker},
+                                  .plan = plan,
+                                  .view = -1};
     worker->tracer.scene = scene;
+    worker->tracer.roulette = 0.0f;
 }
 
 /* The pivot that the vertex is for the cameras, in a row plane of its own; false: no row of the
@@ -145,8 +149,9 @@ static void connect_vertex(void *context, const lf_forward_vertex *vertex)
         for (int k = 0; k < rig->n_views; k++)
             w->scale[k] = k == connect->view ? w->scale[k] : 0.0f;
     const float unit = lf_fan_unit(visit, &pivot),
-                directions = connect->view >= 0 || lf_has_fault(visit, LF_FAULT_NO_DIRECTIONS)
-                                 ? 1.0f
+                directions = lf_has_fault(visit, LF_FAULT_NO_DIRECTIONS) ? 1.0f
+                             : connect->view >= 0
+                                 ? (float)lf_visit_splitting(visit, &pivot.event).suffixes
                                  : (float)lf_fan_directions(visit, &pivot);
     float over = directions * unit * eval(connect, &pivot, vertex->back, &f), keep = 1.0f,
           most = unit * most_of(connect, &f, vertex->flux);

@@ -321,6 +321,7 @@ lf_status lf_light_paths_init(lf_light_paths *paths, const lf_integrator_input *
     if (!paths->set_of)
         return LF_E_NOMEM;
     paths->plan.emitters = &paths->emitters;
+    paths->plan.splitting = LF_SPLITTING_NONE;
     return choose(paths, settings->light_paths);
 }
 

@@ -4,7 +4,7 @@
 
 #include "base/alloc.h"
 #include "render/rows/light_connect.h"
-#include "render/transport/path/suffix_one.h"
+#include "render/rows/pilot_path.h"
 
 /* Samples of the first part, and light paths of each part, in chunks. */
 enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
@@ -39,23 +39,6 @@ typedef struct asking {
     bool *missed;         /* [chunks] whether camera paths cannot find some light */
 } asking;
 
-/* Radiance of one suffix towards wo. */
-static lf_vec3 sample_suffix(lf_tracer *tracer, const lf_event *event, lf_sampler *sampler,
-                             int max_depth, const lf_light_balance *balance)
-{
-    lf_suffix suffix = {0};
-    lf_light_balance own = *balance;
-    const lf_vec3 wo = lf_scale(event->w, -1.0f);
-    lf_suffix_draw_light(tracer, event, sampler, &suffix);
-    lf_suffix_turn(tracer, event, wo, sampler, &suffix);
-    own.cosine = lf_dot(event->hit.ng, suffix.wi);
-    if (suffix.is_pending)
-        lf_suffix_follow_in_balance(tracer, event, max_depth,
-                                    own.scale > 0.0f && own.cosine > 0.0f ? &own : NULL, &suffix);
-    lf_vec3 y = lf_suffix_radiance(tracer->scene, event, &suffix, wo);
-    return isfinite(y.x + y.y + y.z) ? y : lf_v3(0.0f, 0.0f, 0.0f);
-}
-
 static float square(lf_vec3 a, lf_vec3 b)
 {
     const lf_vec3 d = lf_sub(a, b);
@@ -71,27 +54,9 @@ static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pi
     const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS;
     const float u = ((float)x + lf_rng(tracer)) / ACROSS * (float)rig->width,
                 v = ((float)y + lf_rng(tracer)) / DOWN * (float)rig->height;
-    const float slope = lf_rig_slope(rig, view, u), my = (rig->y0 + v * rig->dy) / rig->distance;
-    const lf_vec3 along = lf_rig_direction(rig, slope, my, 1.0f);
-    const float length = lf_length(along);
-    const int row = (int)lf_min(v, (float)(rig->height - 1)),
-              column = (int)lf_min(u, (float)(rig->width - 1));
-    out->tile = row * LF_LIGHT_TILE_ROWS / rig->height * LF_LIGHT_TILE_COLUMNS +
-                column * LF_LIGHT_TILE_COLUMNS / rig->width;
-    event->kind = LF_EVENT_SURFACE;
-    event->w = lf_scale(along, 1.0f / length);
-    tracer->width = 0.0f;
-    tracer->spread = lf_rig_spread(rig) / length;
-    if (!lf_trace_seen(tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f), event->w, INFINITY,
-                       &event->hit)) {
-        if (!pilot->scene->backdrop.given)
-            out->mean = lf_mean3(lf_light_seen(pilot->scene, event->w));
-        return false;
-    }
-    event->p = event->hit.p;
-    if (lf_max3(event->hit.material->emission) > 0.0f)
-        out->mean = lf_mean3(event->hit.material->emission);
-    return lf_hit_material(&event->hit)->has_lobe;
+    out->tile = lf_light_tile(rig, (int)lf_min(v, (float)(rig->height - 1)),
+                              (int)lf_min(u, (float)(rig->width - 1)));
+    return lf_pilot_pivot(tracer, rig, view, (const float[]){u, v}, event, &out->mean);
 }
 
 static void sample_pivot(const asking *a, int i, lf_tracer *tracer)
@@ -107,11 +72,13 @@ static void sample_pivot(const asking *a, int i, lf_tracer *tracer)
     for (int k = 0; k < 2; k++)
         for (int rest = 0; rest < 2; rest++) {
             const uint64_t key = lf_hash64(lf_hash64(KEY, (uint64_t)i), (uint64_t)k + 1);
-            const lf_light_balance balance = {.emitters = a->plan->emitters,
-                                              .scale = rest ? 1e30f : 0.0f};
+            const lf_light_balance balance = {.emitters = a->plan->emitters, .scale = 1e30f};
+            lf_suffix suffix = {0};
             tracer->rng = key;
             lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, key, 0);
-            y[k][rest] = sample_suffix(tracer, &event, &sampler, pilot->max_depth, &balance);
+            lf_pilot_suffix(tracer, &event, &sampler, pilot->max_depth, rest ? &balance : NULL,
+                            &suffix);
+            y[k][rest] = lf_pilot_radiance(pilot->scene, &event, &suffix);
         }
     out->mean += 0.5f * lf_mean3(lf_add(y[0][0], y[1][0]));
     out->all = square(y[0][0], y[1][0]);

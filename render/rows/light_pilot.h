@@ -9,14 +9,16 @@
 #include "base/thread.h"
 #include "render/plane/rig.h"
 #include "render/transport/path/forward_path.h"
+#include "render/transport/path/suffix_one.h"
 
 /* Parts of the image for which the pilot estimates the brightness. */
 enum { LF_LIGHT_TILE_ROWS = 8, LF_LIGHT_TILE_COLUMNS = 6 };
 
 typedef struct lf_light_plan {
     const lf_emitters *emitters;
-    int per_pass; /* light paths for each pass, even; 0: none */
-    float m;      /* for one native sample of every view that a path serves */
+    int per_pass;           /* light paths for each pass, even; 0: none */
+    lf_splitting splitting; /* of camera paths */
+    float m;                /* for one native sample of every view that a path serves */
     /* Roulette: a vertex survives with the probability of its light, relative to the brightness,
      * over this; 0: all survive. */
     float cut;
@@ -24,11 +26,16 @@ typedef struct lf_light_plan {
     float importance[LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS];
 } lf_light_plan;
 
+static inline int lf_light_tile(const lf_rig *rig, int row, int column)
+{
+    return row * LF_LIGHT_TILE_ROWS / rig->height * LF_LIGHT_TILE_COLUMNS +
+           column * LF_LIGHT_TILE_COLUMNS / rig->width;
+}
+
 static inline float lf_light_importance(const lf_light_plan *plan, const lf_rig *rig, int row,
                                         int column)
 {
-    return plan->importance[row * LF_LIGHT_TILE_ROWS / rig->height * LF_LIGHT_TILE_COLUMNS +
-                            column * LF_LIGHT_TILE_COLUMNS / rig->width];
+    return plan->importance[lf_light_tile(rig, row, column)];
 }
 
 /* Input of the pilot. */

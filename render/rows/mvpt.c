@@ -156,19 +156,40 @@ static void follow(lf_visit *visit, const lf_pivot *pivot, float over, lf_suffix
                                     shared ? &balance : NULL, suffix);
 }
 
-/* The lobe does not depend on the view: one radiance for all views. */
-static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, lf_vec3 wo,
-                           float sum)
+/* The radiance of one of the suffixes. */
+static lf_vec3 sent_by(lf_visit *visit, const lf_pivot *pivot, const lf_splitting *of, lf_vec3 wo,
+                       float sum, lf_suffix *suffix)
 {
-    lf_scratch *w = visit->worker;
     if (suffix->is_pending) {
         lf_vec3 f;
         const float pdf = visit->plan->light
                               ? lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->wi, &f)
                               : 0.0f;
-        follow(visit, pivot, pdf * sum, suffix);
+        follow(visit, pivot, (float)of->suffixes * pdf * sum, suffix);
     }
-    lf_vec3 y = lf_suffix_radiance(visit->scene, &pivot->event, suffix, wo);
+    return lf_suffix_radiance_of(visit->scene, &pivot->event, wo, of, suffix);
+}
+
+/* Draws the suffixes after the first; returns the mean of all. */
+static lf_vec3 sent_by_all(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, float sum,
+                           lf_suffix *first)
+{
+    const lf_splitting of = lf_visit_splitting(visit, &pivot->event);
+    lf_vec3 y = sent_by(visit, pivot, &of, wo, sum, first);
+    for (int i = 1; i < of.suffixes; i++) {
+        lf_suffix next = {0};
+        lf_suffix_draw_of(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, &of, i, &next);
+        y = lf_add(y, sent_by(visit, pivot, &of, wo, sum, &next));
+    }
+    return lf_visit_mean(visit, y, of.suffixes);
+}
+
+/* The lobe does not depend on the view: one radiance for all views. */
+static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, lf_vec3 wo,
+                           float sum)
+{
+    lf_scratch *w = visit->worker;
+    lf_vec3 y = sent_by_all(visit, pivot, wo, sum, suffix);
     if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
         y = lf_v3(0.0f, 0.0f, 0.0f);
@@ -404,7 +425,7 @@ int lf_fan_directions(const lf_visit *visit, const lf_pivot *pivot)
     const bool many = pivot->event.kind == LF_EVENT_SURFACE &&
                       lf_is_view_dependent(visit->scene, &pivot->event) &&
                       !pivot->event.hit.material->has_delta;
-    return many ? LF_GLOSSY_DIRECTIONS : 1;
+    return many ? LF_GLOSSY_DIRECTIONS : lf_visit_splitting(visit, &pivot->event).suffixes;
 }
 
 /* The lobe depends on the view: balance heuristic over all views' lobes and light sampling. Further
@@ -490,8 +511,8 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
         suffix = *given;
     } else {
         suffix = (lf_suffix){0};
-        lf_suffix_draw_light(tracer, &pivot->event, pivot->sampler, &suffix);
-        lf_suffix_turn(tracer, &pivot->event, wo, pivot->sampler, &suffix);
+        const lf_splitting of = lf_visit_splitting(visit, &pivot->event);
+        lf_suffix_draw_of(tracer, &pivot->event, wo, pivot->sampler, &of, 0, &suffix);
     }
     if (suffix.is_pending && pivot->event.kind == LF_EVENT_MEDIUM)
         lf_suffix_follow(tracer, &pivot->event, visit->max_depth, &suffix);
@@ -546,7 +567,7 @@ static float over_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
         return lf_fan_unit(visit, pivot) * (float)lf_fan_directions(visit, pivot) *
                lf_fan_eval(visit, pivot, wi, &f);
     }
-    return lf_fan_unit(visit, pivot) * sum *
+    return lf_fan_unit(visit, pivot) * sum * (float)lf_fan_directions(visit, pivot) *
            lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi,
                            &f.colour[0]);
 }

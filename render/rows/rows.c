@@ -213,6 +213,7 @@ static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_
                                  .film = input->film,
                                  .sampler = settings->sampler,
                                  .max_depth = lf_max_depth(input->scene, settings->max_depth),
+                                 .splitting = rows->splitting,
                                  .skip = settings->skip,
                                  .light = rows->light.plan.per_pass > 0 ? &rows->light : NULL,
                                  .pilot = sharing->adaptive ? &rows->counts : NULL};
@@ -242,7 +243,11 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         if (sharing->entry.takes_light_paths)
             status = lf_light_paths_init(&rows->light, input, &rows->seen, &rows->rig,
                                          !sharing->entry.shares);
+        rows->splitting = LF_SPLITTING_NONE;
     }
+    if (status == LF_OK && sharing->entry.takes_light_paths)
+        status = lf_splitting_choose(input, &rows->seen, &rows->rig, rows->light.plan.per_pass > 0,
+                                     !sharing->entry.shares, &rows->splitting);
     if (status == LF_OK) {
         needs.layout =
             film_layout(&rows->seen, input->settings, &rows->rig, lf_moving_moves(&rows->moving),
@@ -256,6 +261,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         return status;
     }
     rows->light.workers = rows->workers;
+    rows->light.plan.splitting = rows->splitting;
     make_plan(rows, input, sharing);
     *out_state = rows;
     *out_needs = needs;

@@ -22,8 +22,9 @@ typedef struct lf_rows {
     lf_outline_map outlines;    /* all zero if the scene moves, or the film has no features */
     lf_counts counts;           /* has tiles only if sharing->adaptive */
     bool mapped;                /* the map is made and in plan.counts */
-    lf_light_paths light;       /* none if its plan.per_pass is 0 */
-    lf_visit_plan plan;         /* template for every visit, without an order */
+    lf_splitting splitting;
+    lf_light_paths light; /* none if its plan.per_pass is 0 */
+    lf_visit_plan plan;   /* template for every visit, without an order */
     /* [lf_pool_threads] allocated separately: no shared cache lines */
     lf_scratch *workers;
     struct lf_queue *queues;  /* [n_workers]; NULL: suffixes are traced one at a time */

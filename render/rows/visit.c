@@ -61,6 +61,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->acting = visit->sharing = plan->sharing;
     visit->triangles = plan->triangles;
     visit->max_depth = plan->max_depth;
+    visit->splitting = plan->splitting;
     visit->number.key = lf_visit_key(plan->order.random, visit->row, visit->half);
     visit->number.index = given_before(visit)->visits[visit->half];
     visit->random = lf_hash64(lf_hash64(visit->number.key, 3), visit->number.index);
@@ -79,6 +80,7 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
                       : 0.0f;
     visit->faults = plan->order.faults;
     visit->worker->tracer.scene = plan->scene;
+    visit->worker->tracer.roulette = plan->splitting.roulette;
     if (plan->counts) {
         lf_counts_row(plan->counts, visit->row, visit->worker->expected);
         visit->expected = visit->worker->expected;

@@ -15,6 +15,7 @@
 #include "render/rows/between.h"
 #include "render/rows/equiangular_row.h"
 #include "render/rows/shutter_time.h"
+#include "render/rows/splitting.h"
 #include "render/scene/fault.h"
 #include "render/transport/lanes/suffix.h"
 #include "render/transport/path/face_albedo.h"
@@ -215,6 +216,7 @@ typedef struct lf_visit {
     bool outlines; /* this visit takes more film points at worker->met.outlines */
     int max_depth;
     int subsets;
+    lf_splitting splitting;   /* of a pivot on a surface that sends the same to every view */
     lf_visit_lattice lattice; /* of base pixels */
     uint64_t random;          /* this visit's own */
     float weight;             /* of every base sample: 1, except for holes */
@@ -261,6 +263,20 @@ lf_row_cut lf_visit_alphas(const lf_visit *visit);
  * probability subsets / n_views, each column equally often, and every pixel after a whole cycle. */
 bool lf_lattice_has(const lf_visit *visit, int view, int column);
 
+/* The suffixes of a pivot, if each draws for one view: in vpt, and where the lobe does not depend
+ * on the view. */
+static inline lf_splitting lf_visit_splitting(const lf_visit *visit, const lf_event *event)
+{
+    const bool splits =
+        event->kind == LF_EVENT_SURFACE && !lf_is_view_dependent(visit->scene, event);
+    return splits ? visit->splitting : LF_SPLITTING_NONE;
+}
+/* Ends the mean over n suffixes. */
+static inline lf_vec3 lf_visit_mean(const lf_visit *visit, lf_vec3 sum, int n)
+{
+    return n > 1 && !lf_has_fault(visit, LF_FAULT_NO_MEAN) ? lf_scale(sum, 1.0f / (float)n) : sum;
+}
+
 /* The film index [view][column] at which view k of the worker's lanes receives a pivot's light. */
 static inline size_t lf_visit_pixel(const lf_visit *visit, int k)
 {
@@ -286,6 +302,7 @@ typedef struct lf_visit_plan {
     lf_film *film;
     lf_sampler_kind sampler;
     int max_depth;
+    lf_splitting splitting;             /* of diffuse pivots, and of roulette */
     unsigned skip;                      /* lf_skip: optimisations in use */
     const struct lf_light_paths *light; /* NULL: no light paths */
     lf_visit_order order;               /* `cover` forces collisions */

@@ -18,16 +18,18 @@ static float over_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         lf_sub(lf_rig_point(rig, rig->b[view], visit->plane.ly, 0.0f), pivot->event.p);
     const float pdf =
         lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi, &f);
-    return lf_fan_unit(visit, pivot) * fabsf(lf_dot(pivot->event.hit.ng, d)) * pdf;
+    return lf_fan_unit(visit, pivot) * fabsf(lf_dot(pivot->event.hit.ng, d)) * pdf *
+           (float)lf_visit_splitting(visit, &pivot->event).suffixes;
 }
 
-/* lf_suffix_draw, in balance with light paths. */
-static void draw(lf_visit *visit, int view, int column, const lf_pivot *pivot, lf_suffix *suffix)
+/* Draws one of the pivot's suffixes, in balance with light paths. */
+static void draw(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                 const lf_splitting *of, int i, lf_suffix *suffix)
 {
     lf_tracer *tracer = &visit->worker->tracer;
     lf_light_balance balance;
-    lf_suffix_draw_light(tracer, &pivot->event, pivot->sampler, suffix);
-    lf_suffix_turn(tracer, &pivot->event, lf_scale(pivot->event.w, -1.0f), pivot->sampler, suffix);
+    lf_suffix_draw_of(tracer, &pivot->event, lf_scale(pivot->event.w, -1.0f), pivot->sampler, of, i,
+                      suffix);
     if (!suffix->is_pending)
         return;
     const bool shared =
@@ -38,6 +40,27 @@ static void draw(lf_visit *visit, int view, int column, const lf_pivot *pivot, l
                                 suffix);
 }
 
+/* Radiance towards the view: the mean of the pivot's suffixes. */
+static lf_vec3 sent(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                    const lf_suffix *given)
+{
+    const lf_splitting of =
+        pivot->is_thin ? LF_SPLITTING_NONE : lf_visit_splitting(visit, &pivot->event);
+    const lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
+    lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < of.suffixes; i++) {
+        lf_suffix suffix = {0};
+        if (given)
+            suffix = *given;
+        else if (!pivot->is_thin)
+            draw(visit, view, column, pivot, &of, i, &suffix);
+        if (visit->worker->equiangular.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
+            visit->sharing->balance(visit, view, column, pivot, &suffix);
+        sum = lf_add(sum, lf_suffix_radiance_of(visit->scene, &pivot->event, wo, &of, &suffix));
+    }
+    return lf_visit_mean(visit, sum, of.suffixes);
+}
+
 static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
                       const lf_suffix *given)
 {
@@ -45,15 +68,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     float correction = lf_prefix_own(visit, view, pivot, &channels);
     if (correction == 0.0f)
         return; /* the pivot sends nothing */
-    lf_suffix suffix = {0};
-    lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
-    if (given)
-        suffix = *given;
-    else if (!pivot->is_thin)
-        draw(visit, view, column, pivot, &suffix);
-    if (visit->worker->equiangular.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
-        visit->sharing->balance(visit, view, column, pivot, &suffix);
-    lf_vec3 radiance = lf_suffix_radiance(visit->scene, &pivot->event, &suffix, wo);
+    lf_vec3 radiance = sent(visit, view, column, pivot, given);
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     visit->worker->contributions++;
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {

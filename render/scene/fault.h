@@ -30,6 +30,7 @@ typedef enum lf_fault {
     /* light paths ignore that a pivot draws several directions, … */
     LF_FAULT_NO_DIRECTIONS = 16384,
     LF_FAULT_NO_LIGHT_VISIBILITY = 32768, /* … and that surfaces hide it from some views */
+    LF_FAULT_NO_MEAN = 65536, /* several suffixes of a pivot are not divided by their number */
 } lf_fault;
 
 #ifdef LF_FAULTS

@@ -56,6 +56,20 @@ void lf_sampler_init(lf_sampler *s, lf_sampler_kind kind, uint64_t key, uint32_t
     *s = (lf_sampler){.key = key, .index = index, .state = lf_hash64(key, index), .kind = kind};
 }
 
+/* With a key of its own: samples of the same pixel that are not split use the same dimensions. */
+void lf_sampler_split(lf_sampler *s, int n)
+{
+    const uint32_t dimension = s->dimension;
+    lf_sampler_init(s, s->kind, lf_hash64(s->key, LF_SAMPLER_DIMENSIONS), s->index * (uint32_t)n);
+    s->dimension = dimension;
+}
+
+void lf_sampler_next(lf_sampler *s, uint32_t dimension)
+{
+    lf_sampler_init(s, s->kind, s->key, s->index + 1);
+    s->dimension = dimension;
+}
+
 float lf_sampler_1d(lf_sampler *s)
 {
     uint32_t dimension = s->dimension;

@@ -31,6 +31,11 @@ static inline uint64_t lf_hash64(uint64_t a, uint64_t b)
 }
 
 void lf_sampler_init(lf_sampler *s, lf_sampler_kind kind, uint64_t key, uint32_t index);
+/* Turns the sampler to the first of n points of a finer sequence, at its present dimension: the n
+ * points of all indices together are as even as one sequence. */
+void lf_sampler_split(lf_sampler *s, int n);
+/* The next of the n points, from this dimension on. */
+void lf_sampler_next(lf_sampler *s, uint32_t dimension);
 /* In [0, 1), multiples of 2^-24. */
 float lf_sampler_1d(lf_sampler *s);
 void lf_sampler_2d(lf_sampler *s, float out[2]);

@@ -122,8 +122,8 @@ static void every_shared_option_stands_in_the_manuals(void **state)
     for (const lf_param *row = lf_option_params; row->option; row = lf_param_next(row)) {
         if (strcmp(row->option, "calibration") != 0)
             check_option(page, row, true);
-        if (!lf_param_among(row,
-                            "panel aov png still quality fit light-paths target-denoised-error"))
+        if (!lf_param_among(
+                row, "panel aov png still quality fit light-paths suffixes target-denoised-error"))
             check_option(daemon, row, false); /* whose page leaves words to the other's */
     }
     for (const lf_param *row = lf_integrator_params(); row->option; row = lf_param_next(row)) {

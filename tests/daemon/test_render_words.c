@@ -37,7 +37,8 @@ static void settings_come_back(void **state)
                                          .seed = UINT64_MAX,
                                          .max_depth = 7,
                                          .skip = LF_SKIP_PATHS | LF_SKIP_SURFACES,
-                                         .light_paths = 300};
+                                         .light_paths = 300,
+                                         .suffixes = 4};
     lf_render_words_settings(&words, &settings, LF_ESTIMATOR_CV, false);
     read_back(&words, lf_option_params, &options);
     assert_string_equal(options.integrator, settings.integrator);
@@ -46,12 +47,14 @@ static void settings_come_back(void **state)
     assert_int_equal(options.max_depth, 7);
     assert_int_equal(options.tracing.skip, settings.skip);
     assert_true(options.tracing.has_light_paths && options.tracing.light_paths == 300);
+    assert_true(options.tracing.has_suffixes && options.tracing.suffixes == 4);
     assert_int_equal(options.estimator, LF_ESTIMATOR_CV);
     assert_int_equal(options.denoise, LF_DENOISE_OFF);
     assert_false(words.failed);
     lf_render_words_finish(&words);
     /* nothing is said of what is usual, since --estimator alone turns denoising off */
-    const lf_render_settings plain = {.skip = LF_SKIP_ALL, .light_paths = LF_LIGHT_PATHS_AUTO};
+    const lf_render_settings plain = {
+        .skip = LF_SKIP_ALL, .light_paths = LF_LIGHT_PATHS_AUTO, .suffixes = LF_SUFFIXES_AUTO};
     lf_render_words_settings(&words, &plain, LF_ESTIMATOR_MWIS, true);
     assert_int_equal(words.n, 1);
     assert_string_equal(words.list[0], "--denoise=on");
@@ -60,6 +63,7 @@ static void settings_come_back(void **state)
     lf_render_words_settings(&words, &none, LF_ESTIMATOR_MWIS, true);
     assert_true(has_word(&words, "--skip=none"));
     assert_true(has_word(&words, "--light-paths=none"));
+    assert_true(has_word(&words, "--suffixes=1"));
     lf_render_words_finish(&words);
 }
 

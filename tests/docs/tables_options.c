@@ -25,7 +25,7 @@ static const struct group {
     const char *own;               /* the names of these; NULL: all others of the program */
 } groups[] = {
     {"views", lf_option_params, NULL, LF_OPTIONS_VIEWS " fit still", NULL, NULL},
-    {"rendering", lf_option_params, NULL, LF_OPTIONS_RENDER " light-paths", NULL, NULL},
+    {"rendering", lf_option_params, NULL, LF_OPTIONS_RENDER " light-paths suffixes", NULL, NULL},
     {"length", lf_option_params, NULL, "target-error target-denoised-error", "quiltrender",
      "passes spp time"},
     {"reference", NULL, NULL, NULL, NULL, NULL}, /* lf_integrator_params */

@@ -46,6 +46,27 @@ static void aligned_blocks_of_owen_pairs_are_nets(void **state)
     }
 }
 
+/* The points of four samples of eight each are a net of 32, from any dimension. */
+static void split_points_are_a_net_over_all_samples(void **state)
+{
+    (void)state;
+    float points[32][2];
+    for (uint64_t key = 0; key < 20; key++) {
+        for (uint32_t i = 0; i < 4; i++) {
+            lf_sampler s;
+            lf_sampler_init(&s, LF_SAMPLER_OWEN, key, 4 * (uint32_t)key + i);
+            s.dimension = 5;
+            lf_sampler_split(&s, 8);
+            for (int k = 0; k < 8; k++) {
+                if (k > 0)
+                    lf_sampler_next(&s, 5);
+                lf_sampler_2d(&s, points[8 * i + (uint32_t)k]);
+            }
+        }
+        assert_true(is_net(points, 5));
+    }
+}
+
 static void independent_points_are_no_net(void **state)
 {
     (void)state;
@@ -240,6 +261,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(aligned_blocks_of_owen_pairs_are_nets),
+        cmocka_unit_test(split_points_are_a_net_over_all_samples),
         cmocka_unit_test(independent_points_are_no_net),
         cmocka_unit_test(aligned_blocks_of_one_dimension_are_stratified),
         cmocka_unit_test(sequences_of_different_keys_fill_the_square),

@@ -41,6 +41,18 @@ void lf_test_light_paths(int n)
     light_paths = n;
 }
 
+static struct {
+    int n;
+    bool one_light, early_roulette;
+} suffixes;
+
+void lf_test_suffixes(int n, bool one_light, bool early_roulette)
+{
+    suffixes.n = n;
+    suffixes.one_light = one_light;
+    suffixes.early_roulette = early_roulette;
+}
+
 lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width, int height,
                               lf_pool *pool)
 {
@@ -51,7 +63,10 @@ lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width
                                    .width = width,
                                    .height = height,
                                    .integrator = integrator,
-                                   .light_paths = light_paths};
+                                   .light_paths = light_paths,
+                                   .suffixes = suffixes.n,
+                                   .one_light = suffixes.one_light,
+                                   .early_roulette = suffixes.early_roulette};
     settings.seed = lf_test_seed();
     if (!pool && !own_pool)
         lf_assert_ok(lf_pool_create(2, &own_pool), NULL);

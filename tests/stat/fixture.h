@@ -27,6 +27,8 @@ lf_renderer *lf_test_renderer(lf_scene *scene, const char *integrator, int width
 
 /* Renderers made from now on take so many light paths (lf_render_settings); at first none. */
 void lf_test_light_paths(int n);
+/* Likewise the suffixes of a diffuse pivot; at first 0. */
+void lf_test_suffixes(int n, bool one_light, bool early_roulette);
 
 /* The state of its integrator. */
 static inline lf_rows *lf_test_rows(const lf_renderer *renderer)

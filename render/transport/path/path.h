@@ -57,11 +57,13 @@ lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event);
 lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
                                const lf_light_sample *light);
 
+/* The threshold of a tracer whose `roulette` is 0. */
+#define LF_ROULETTE 0.25f
 /* Unbiased roulette: a path with a throughput below the threshold survives with a probability that
  * raises the survivors' throughput to the threshold. */
 static inline bool lf_path_survives(lf_tracer *tracer, lf_vec3 *beta)
 {
-    const float threshold = 0.25f;
+    const float threshold = LF_ROULETTE + tracer->roulette;
     float m = lf_max3(*beta);
     if (m >= threshold)
         return true;

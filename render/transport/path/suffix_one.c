@@ -99,6 +99,38 @@ lf_vec3 lf_suffix_radiance(const lf_scene *scene, const lf_event *event, const l
     return radiance;
 }
 
+/* Numbers of the sampler for the light sample of a suffix, and for all of it. */
+enum { LIGHT_DIMENSIONS = 3, DIMENSIONS = 6 };
+
+void lf_suffix_draw_of(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
+                       const lf_splitting *of, int i, lf_suffix *suffix)
+{
+    if (i > 0)
+        lf_sampler_next(sampler, sampler->dimension - DIMENSIONS);
+    else if (of->suffixes > 1)
+        lf_sampler_split(sampler, of->suffixes);
+    if (i < of->lights)
+        lf_suffix_draw_light(tracer, event, sampler, suffix);
+    else
+        sampler->dimension += LIGHT_DIMENSIONS;
+    lf_suffix_turn(tracer, event, wo, sampler, suffix);
+}
+
+lf_vec3 lf_suffix_radiance_of(const lf_scene *scene, const lf_event *event, lf_vec3 wo,
+                              const lf_splitting *of, lf_suffix *suffix)
+{
+    if (of->lights != of->suffixes) {
+        const float each = (float)of->suffixes / (float)of->lights;
+        lf_vec3 f;
+        if (suffix->has_light && !suffix->light.delta)
+            suffix->light.pdf +=
+                (each - 1.0f) * lf_scatter_eval(scene, event, wo, suffix->light.wi, &f);
+        suffix->light.radiance = lf_scale(suffix->light.radiance, each);
+        suffix->found_pdf /= each;
+    }
+    return lf_suffix_radiance(scene, event, suffix, wo);
+}
+
 bool lf_is_view_dependent(const lf_scene *scene, const lf_event *event)
 {
     return event->kind == LF_EVENT_SURFACE

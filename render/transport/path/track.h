@@ -20,6 +20,8 @@ typedef struct lf_tracer {
     /* Shutter time of rays: 0 when the shutter opens, 1 when it closes. *scene must be at the same
      * time (rows/shutter_time.h). */
     float time;
+    /* What lf_path_survives adds to its threshold: 0, or more if a pivot has several suffixes. */
+    float roulette;
     int64_t rays; /* counters, never reset here */
     int64_t lookups;
     int64_t nonfinite;

@@ -1,0 +1,47 @@
+#include "render/rows/pilot_path.h"
+
+bool lf_pilot_pivot(lf_tracer *tracer, const lf_rig *rig, int view, const float film[2],
+                    lf_event *out, float *out_light)
+{
+    const lf_scene *scene = tracer->scene;
+    const float slope = lf_rig_slope(rig, view, film[0]),
+                my = (rig->y0 + film[1] * rig->dy) / rig->distance;
+    const lf_vec3 along = lf_rig_direction(rig, slope, my, 1.0f);
+    const float length = lf_length(along);
+    out->kind = LF_EVENT_SURFACE;
+    out->w = lf_scale(along, 1.0f / length);
+    tracer->width = 0.0f;
+    tracer->spread = lf_rig_spread(rig) / length;
+    if (!lf_trace_seen(tracer, lf_rig_point(rig, rig->b[view], 0.0f, 0.0f), out->w, INFINITY,
+                       &out->hit)) {
+        if (!scene->backdrop.given)
+            *out_light = lf_mean3(lf_light_seen(scene, out->w));
+        return false;
+    }
+    out->p = out->hit.p;
+    if (lf_max3(out->hit.material->emission) > 0.0f)
+        *out_light = lf_mean3(out->hit.material->emission);
+    return lf_hit_material(&out->hit)->has_lobe;
+}
+
+void lf_pilot_suffix(lf_tracer *tracer, const lf_event *pivot, lf_sampler *sampler, int max_depth,
+                     const lf_light_balance *balance, lf_suffix *out)
+{
+    lf_light_balance own;
+    bool shared = false;
+    lf_suffix_draw_light(tracer, pivot, sampler, out);
+    lf_suffix_turn(tracer, pivot, lf_scale(pivot->w, -1.0f), sampler, out);
+    if (balance) {
+        own = *balance;
+        own.cosine = lf_dot(pivot->hit.ng, out->wi);
+        shared = own.cosine > 0.0f;
+    }
+    if (out->is_pending)
+        lf_suffix_follow_in_balance(tracer, pivot, max_depth, shared ? &own : NULL, out);
+}
+
+lf_vec3 lf_pilot_radiance(const lf_scene *scene, const lf_event *pivot, const lf_suffix *suffix)
+{
+    const lf_vec3 y = lf_suffix_radiance(scene, pivot, suffix, lf_scale(pivot->w, -1.0f));
+    return isfinite(y.x + y.y + y.z) ? y : lf_v3(0.0f, 0.0f, 0.0f);
+}

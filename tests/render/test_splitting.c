@@ -1,0 +1,251 @@
+/* Several suffixes of a diffuse pivot (docs/developer/estimators/splitting.md): pictures with and
+ * without them agree tile by tile, alone and in balance with light paths; mistakes are rejected;
+ * the bytes do not depend on threads; and the pilot splits in a room and not in the open. */
+#include "tests/testing.h"
+
+#include "tests/scene_file.h"
+#include "tests/stat/fixture.h"
+
+enum { width = 24, height = 18, block = 6, n_views = 5, blocks_of_views = 12 * n_views + 1 };
+enum { PATHS = 400 }; /* light paths of a pass */
+
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 20 * blocks_of_views)
+#define CERTAIN 1e-9
+
+/* A diffuse floor under a lamp and a sky, beside a rough mirror. */
+static const char lamp[] =
+    "{'lights': {'sun': null, 'sky': {'type': 'environment', 'radiance': 0.2},"
+    " 'lamp': {'type': 'sphere', 'position': [0.2, 0.4, 0.4], 'radius': 0.25, 'radiance': 8}}}";
+
+/* A closed room whose only light is a lamp above a board. */
+static const char room[] =
+    "{'quiltd': 1, 'camera': {'target': [0, -0.4, -3], 'position': [0, -0.3, 2.7], 'fov_y': 12,"
+    " 'aspect': 1.3333333333, 'views': 5, 'cone': 10}, 'meshes': {"
+    "'walls': {'shape': 'cube', 'material': 'wall', 'transform': {'scale': [1.5, 1, 3]}},"
+    "'board': {'shape': 'cube', 'material': 'wall',"
+    " 'transform': {'scale': [0.6, 0.02, 0.6], 'translate': [0, 0.7, 0]}}},"
+    "'materials': {'wall': {'albedo': 0.75}},"
+    "'lights': {'lamp': {'type': 'sphere', 'position': [0, 0.85, 0], 'radius': 0.08,"
+    " 'radiance': 100}}, 'render': {'max_depth': 2}}";
+
+typedef struct way {
+    const char *integrator;
+    int suffixes;
+    bool one_light, early_roulette;
+    int light_paths;
+    unsigned faults;
+} way;
+
+static void pictures(const char *text, const way *by, int cycles, uint64_t salt, lf_blocks *out)
+{
+    lf_test_light_paths(by->light_paths);
+    lf_test_suffixes(by->suffixes, by->one_light, by->early_roulette);
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, by->integrator, width, height, NULL);
+    r->faults = by->faults;
+    lf_blocks_init(out, n_views, width, height, block);
+    for (int k = 0; k < 12; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
+        lf_test_cycles(r, cycles);
+        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static double p_of(const char *text, const way *by, const lf_blocks *truth)
+{
+    lf_blocks blocks;
+    pictures(text, by, 3, 2, &blocks);
+    const double p = lf_blocks_welch(&blocks, truth, NULL);
+    lf_blocks_finish(&blocks);
+    return p;
+}
+
+static void pictures_agree_with_those_of_one_suffix(void **state)
+{
+    (void)state;
+    static const way ways[] = {
+        {"mvpt", 4, false, true, 0, 0},    {"mvpt", 4, true, false, 0, 0},
+        {"vpt", 8, true, true, 0, 0},      {"mvpt", 4, true, true, PATHS, 0},
+        {"vpt", 2, false, true, PATHS, 0}, {"mvpt", 8, true, false, 20 * PATHS, 0}};
+    const char *text = lf_test_scene_patched("glossy-corner", "%s", lamp);
+    lf_blocks truth;
+    pictures(text, &(way){"vpt", 0, false, false, 0, 0}, 12, 1, &truth);
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        const double p = p_of(text, &ways[i], &truth);
+        if (!(p > LEVEL))
+            fail_msg("way %zu: p %.2g", i, p);
+    }
+    lf_blocks_finish(&truth);
+}
+
+static void a_sum_in_place_of_the_mean_is_caught(void **state)
+{
+    (void)state;
+    const char *text = lf_test_scene_patched("glossy-corner", "%s", lamp);
+    lf_blocks truth;
+    pictures(text, &(way){"mvpt", 0, false, false, 0, 0}, 3, 1, &truth);
+    for (int i = 0; i < 2; i++) {
+        const way wrong = {i ? "vpt" : "mvpt", 8, true, true, 0, LF_FAULT_NO_MEAN};
+        assert_true(p_of(text, &wrong, &truth) < CERTAIN);
+    }
+    lf_blocks_finish(&truth);
+}
+
+/* All light of the room comes by way of a wall, so light paths find it, too. */
+static void light_paths_know_the_number(void **state)
+{
+    (void)state;
+    enum { MANY = 8 * PATHS };
+    lf_blocks truth;
+    pictures(room, &(way){"mvpt", 0, false, false, MANY, 0}, 3, 1, &truth);
+    const way right = {"mvpt", 8, true, false, MANY, 0},
+              wrong = {"mvpt", 8, true, false, MANY, LF_FAULT_NO_DIRECTIONS};
+    assert_true(p_of(room, &right, &truth) > LEVEL);
+    assert_true(p_of(room, &wrong, &truth) < CERTAIN);
+    lf_blocks_finish(&truth);
+}
+
+static void cycles(lf_renderer *r)
+{
+    lf_test_cycles(r, 4);
+}
+
+/* Suffixes change neither W nor W'. */
+static void weights_are_as_expected(void **state)
+{
+    (void)state;
+    lf_test_light_paths(0);
+    lf_test_suffixes(4, true, true);
+    lf_test_assert_weights(lf_test_scene_patched("glossy-corner", "%s", lamp), width, height,
+                           cycles, 12, block, LEVEL);
+}
+
+static lf_renderer *by(const char *text, const char *integrator, int threads, lf_pool **out_pool)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_assert_ok(lf_pool_create(threads, out_pool), NULL);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, *out_pool);
+    lf_scene_unref(scene);
+    return r;
+}
+
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    static const way ways[] = {{"mvpt", LF_SUFFIXES_AUTO, false, false, 0, 0},
+                               {"vpt", LF_SUFFIXES_AUTO, false, false, 0, 0},
+                               {"mvpt", 2, true, true, PATHS, 0}};
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        lf_pool *pools[3];
+        lf_renderer *r[3];
+        const int threads[3] = {1, 2, 7};
+        lf_test_light_paths(ways[i].light_paths);
+        lf_test_suffixes(ways[i].suffixes, ways[i].one_light, ways[i].early_roulette);
+        for (int k = 0; k < 3; k++) {
+            r[k] = by(room, ways[i].integrator, threads[k], &pools[k]);
+            lf_test_passes(r[k], 6);
+        }
+        assert_true(lf_test_rows(r[0])->splitting.suffixes > 1);
+        lf_test_same_films(r[0], r[1]);
+        lf_test_same_films(r[0], r[2]);
+        for (int k = 0; k < 3; k++) {
+            lf_renderer_destroy(r[k]);
+            lf_pool_destroy(pools[k]);
+        }
+    }
+}
+
+/* --------------------------------------------------------------------------------- the pilot -- */
+
+static lf_splitting chosen(const char *text, const char *integrator)
+{
+    lf_test_suffixes(LF_SUFFIXES_AUTO, false, false);
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    const lf_splitting of = lf_test_rows(r)->splitting;
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    return of;
+}
+
+static bool splits(const char *text, const char *integrator)
+{
+    lf_test_light_paths(0);
+    const lf_splitting of = chosen(text, integrator);
+    assert_true(of.suffixes > 1 || (of.lights == 1 && of.roulette == 0.0f));
+    return of.suffixes > 1;
+}
+
+static void the_pilot_splits_in_a_room_and_not_in_the_open(void **state)
+{
+    (void)state;
+    const char *open = lf_test_scene_patched(
+        "glossy-corner", "{'materials': {'wall': {'type': 'diffuse', 'albedo': 0.3, 'roughness':"
+                         " null}, 'ball': {'type': 'diffuse', 'roughness': null}}}");
+    assert_true(splits(room, "mvpt"));
+    assert_true(splits(room, "vpt"));
+    assert_false(splits(open, "mvpt"));
+    assert_false(splits(open, "vpt"));
+    /* light paths, which find the same light; integrators and scenes without it */
+    lf_test_light_paths(PATHS);
+    assert_int_equal(chosen(room, "mvpt").suffixes, 1);
+    assert_false(splits(room, "amvpt"));
+    assert_false(splits(lf_test_scene_text("mixed"), "mvpt"));
+}
+
+/* The pilot leaves nothing behind: where it keeps one suffix, the film is the same. */
+static void one_suffix_gives_the_bytes_without_a_pilot(void **state)
+{
+    (void)state;
+    const char *text = lf_test_scene_text("glossy-corner");
+    lf_pool *pools[2];
+    lf_renderer *r[2];
+    for (int k = 0; k < 2; k++) {
+        lf_test_suffixes(k ? LF_SUFFIXES_AUTO : 0, false, false);
+        r[k] = by(text, "mvpt", 2, &pools[k]);
+        lf_test_passes(r[k], 6);
+    }
+    lf_test_same_films(r[0], r[1]);
+    for (int k = 0; k < 2; k++) {
+        lf_renderer_destroy(r[k]);
+        lf_pool_destroy(pools[k]);
+    }
+}
+
+/* Parts of a picture must agree in how they choose. */
+static void the_identity_has_the_number(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(room);
+    uint8_t id[3][LF_PICTURE_BYTES];
+    const int numbers[] = {0, 4, LF_SUFFIXES_AUTO};
+    for (int i = 0; i < 3; i++) {
+        lf_render_settings settings = {.skip = LF_SKIP_ALL,
+                                       .camera = *lf_scene_camera(scene),
+                                       .width = width,
+                                       .height = height,
+                                       .suffixes = numbers[i]};
+        lf_assert_ok(lf_renderer_identify(scene, &settings, "mvpt", id[i]), NULL);
+    }
+    assert_true(memcmp(id[0], id[1], LF_PICTURE_BYTES) != 0);
+    assert_true(memcmp(id[0], id[2], LF_PICTURE_BYTES) != 0);
+    assert_true(memcmp(id[1], id[2], LF_PICTURE_BYTES) != 0);
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_agree_with_those_of_one_suffix),
+        cmocka_unit_test(a_sum_in_place_of_the_mean_is_caught),
+        cmocka_unit_test(light_paths_know_the_number),
+        cmocka_unit_test(weights_are_as_expected),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(the_pilot_splits_in_a_room_and_not_in_the_open),
+        cmocka_unit_test(one_suffix_gives_the_bytes_without_a_pilot),
+        cmocka_unit_test(the_identity_has_the_number),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
