@@ -30,6 +30,9 @@ typedef enum lf_fault {
     /* light paths ignore that a pivot draws several directions, … */
     LF_FAULT_NO_DIRECTIONS = 16384,
     LF_FAULT_NO_LIGHT_VISIBILITY = 32768, /* … and that surfaces hide it from some views */
+    /* camera paths ignore that light paths start at bright parts of skies, … */
+    LF_FAULT_NO_SKY_STARTS = 65536,
+    LF_FAULT_NO_PICTURE_PDF = 131072, /* … and rarely where the picture of a light is dark */
 } lf_fault;
 
 #ifdef LF_FAULTS
