@@ -31,6 +31,9 @@ typedef enum lf_fault {
     LF_FAULT_NO_DIRECTIONS = 16384,
     LF_FAULT_NO_LIGHT_VISIBILITY = 32768, /* … and that surfaces hide it from some views */
     LF_FAULT_NO_MEAN = 65536, /* several suffixes of a pivot are not divided by their number */
+    /* camera paths ignore that light paths start at bright parts of skies, … */
+    LF_FAULT_NO_SKY_STARTS = 131072,
+    LF_FAULT_NO_PICTURE_PDF = 262144, /* … and rarely where the picture of a light is dark */
 } lf_fault;
 
 #ifdef LF_FAULTS

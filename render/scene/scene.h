@@ -388,6 +388,7 @@ typedef struct lf_environment {
     float *marginal;    /* [height + 1] cumulative over rows, 0..1 */
     float *conditional; /* [height][width + 1] cumulative along each row, 0..1 */
     float *pdf;         /* [height][width] per unit solid angle */
+    float mean;         /* of the sampling weights of texels, over the sphere */
     float above_mean;   /* the sampling density: radiance above the mean, mean over the sphere */
     char *key;
     lf_digest digest;     /* of the file */

@@ -6,6 +6,10 @@
 
 #include <unistd.h>
 
+#include "render/transport/light/light_types.h"
+#include "render/transport/light/sky_lobe.h"
+#include "render/transport/sampler.h"
+#include "tests/base/pictures.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
@@ -14,7 +18,7 @@ enum { width = 24, height = 18, block = 6, n_views = 5, blocks_of_views = 12 * n
 enum { PATHS = 400 };
 
 /* Scenes of the table below, with two integrators each, and the controls. */
-#define LEVEL lf_sidak(LF_FALSE_ALARM, 20 * blocks_of_views)
+#define LEVEL lf_sidak(LF_FALSE_ALARM, 24 * blocks_of_views)
 /* What a mistake must be rejected with. */
 #define CERTAIN 1e-9
 
@@ -31,14 +35,77 @@ static const char *const lights[] = {
     "{'materials': {'ball': {'type': 'principled', 'transmission': 1, 'roughness': 0.4,"
     " 'glass': 'solid'}}}",
     "{'materials': {'ball': {'type': 'principled', 'albedo': [0.3, 0.5, 0.7], 'roughness': 0.5,"
-    " 'coat': 0.5, 'coat_roughness': 0.5}, 'floor': {'alpha': 0.7}}}"};
-enum { N_LIGHTS = sizeof lights / sizeof lights[0] };
+    " 'coat': 0.5, 'coat_roughness': 0.5}, 'floor': {'alpha': 0.7}}}",
+    "{'lights': {'sun': null, 'sky': {'type': 'environment', 'file': 'sky.hdr'}}}",
+    "{'lights': {'sun': null}, 'meshes': {'lamp': {'shape': 'sphere', 'material': 'glow',"
+    " 'transform': {'scale': 0.15, 'rotate': [0, 0, 120], 'translate': [0.2, 1, 0.2]}}},"
+    " 'materials': {'glow': {'albedo': 0, 'emission': {'file': 'glow.png',"
+    " 'interpolation': 'nearest', 'scale': 200}}}}"};
+enum { N_LIGHTS = sizeof lights / sizeof lights[0], SKY = N_LIGHTS - 2, GLOW };
+
+/* Of files that the table names. */
+static char *folder;
+
+static void write_hdr(const char *name, int across, int down, const unsigned char *texels)
+{
+    FILE *file = fopen(lf_test_path(folder, name), "wb");
+    assert_non_null(file);
+    fprintf(file, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", down, across);
+    assert_int_equal(fwrite(texels, 4, (size_t)(across * down), file), across * down);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A dim sky with a sun of four unequal texels where the scene has its own, and a smaller one. */
+static void write_sky(void)
+{
+    enum { across = 128, down = 64 };
+    static unsigned char texels[across * down][4];
+    for (int i = 0; i < across * down; i++) {
+        const int x = i % across, y = i / across;
+        const bool sun = (x == 28 || x == 29) && (y == 18 || y == 19), other = x == 55 && y == 14;
+        const unsigned char texel[4] = {200, 180, 160,
+                                        (unsigned char)(sun     ? 136 + x + y - 46
+                                                        : other ? 137
+                                                                : 126)};
+        memcpy(texels[i], texel, 4);
+    }
+    write_hdr("sky.hdr", across, down, texels[0]);
+}
+
+/* One row, whose texels reach from pole to pole, one of them bright. */
+static void write_coarse_sky(void)
+{
+    unsigned char texels[4 * 64];
+    for (int i = 0; i < 4 * 64; i++)
+        texels[i] = i % 4 < 3 ? 200 : i / 4 == 9 ? 140 : 110;
+    write_hdr("coarse.hdr", 64, 1, texels);
+}
+
+static int write_files(void **state)
+{
+    uint8_t glow[64] = {0};
+    (void)state;
+    for (int i = 0; i < 64; i++)
+        glow[i] = (uint8_t)(i % 4 == 3 ? 255 : i / 4 == 5 ? 250 - 50 * (i % 4) : 3);
+    folder = lf_test_folder();
+    write_sky();
+    write_coarse_sky();
+    lf_picture_png(lf_test_path(folder, "glow.png"), 4, 4, 8, PNG_COLOR_TYPE_RGBA, false, NULL,
+                   glow, 16);
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    lf_test_folder_remove(folder);
+    return lf_test_finish(state);
+}
 
 static void pictures(const char *text, const char *integrator, int paths, unsigned faults,
                      int cycles, uint64_t salt, lf_blocks *out)
 {
     lf_test_light_paths(paths);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene_in(folder, text, NULL);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     r->faults = faults;
     lf_blocks_init(out, n_views, width, height, block);
@@ -94,10 +161,10 @@ static const char *behind_posts(void)
         posts[0], posts[1], posts[2], posts[3], posts[4]);
 }
 
-static double p_of_fault(unsigned fault, const lf_blocks *truth)
+static double p_of_fault(const char *text, unsigned fault, const lf_blocks *truth)
 {
     lf_blocks blocks;
-    pictures(behind_posts(), "mvpt", PATHS, fault, 12, 5, &blocks);
+    pictures(text, "mvpt", PATHS, fault, 12, 5, &blocks);
     const double p = lf_blocks_welch(&blocks, truth, NULL);
     lf_blocks_finish(&blocks);
     return p;
@@ -106,14 +173,32 @@ static double p_of_fault(unsigned fault, const lf_blocks *truth)
 static void mistakes_in_the_balance_are_caught(void **state)
 {
     (void)state;
+    const char *text = behind_posts();
     lf_blocks truth;
-    pictures(behind_posts(), "mvpt", PATHS, 0, 24, 4, &truth);
-    assert_true(p_of_fault(0, &truth) > LEVEL);
-    assert_true(p_of_fault(LF_FAULT_NO_REVERSE_PDF, &truth) < CERTAIN);
-    assert_true(p_of_fault(LF_FAULT_NO_CELL_PDF, &truth) < CERTAIN);
-    assert_true(p_of_fault(LF_FAULT_NO_DIRECTIONS, &truth) < CERTAIN);
-    assert_true(p_of_fault(LF_FAULT_NO_LIGHT_VISIBILITY, &truth) < CERTAIN);
+    pictures(text, "mvpt", PATHS, 0, 24, 4, &truth);
+    assert_true(p_of_fault(text, 0, &truth) > LEVEL);
+    assert_true(p_of_fault(text, LF_FAULT_NO_REVERSE_PDF, &truth) < CERTAIN);
+    assert_true(p_of_fault(text, LF_FAULT_NO_CELL_PDF, &truth) < CERTAIN);
+    assert_true(p_of_fault(text, LF_FAULT_NO_DIRECTIONS, &truth) < CERTAIN);
+    assert_true(p_of_fault(text, LF_FAULT_NO_LIGHT_VISIBILITY, &truth) < CERTAIN);
     lf_blocks_finish(&truth);
+}
+
+/* As above, of starts at skies and at lights with pictures. */
+static void mistakes_at_pictures_are_caught(void **state)
+{
+    (void)state;
+    const int which[2] = {SKY, GLOW};
+    const unsigned faults[2] = {LF_FAULT_NO_SKY_STARTS, LF_FAULT_NO_PICTURE_PDF};
+    for (int i = 0; i < 2; i++) {
+        const char *text = lf_test_scene_patched("glossy-corner", "%s", lights[which[i]]);
+        lf_blocks truth;
+        pictures(text, "mvpt", PATHS, 0, 24, 6, &truth);
+        const double p = p_of_fault(text, faults[i], &truth);
+        if (!(p < CERTAIN))
+            fail_msg("lights %d: p %.2g", which[i], p);
+        lf_blocks_finish(&truth);
+    }
 }
 
 static void cycles(lf_renderer *r)
@@ -135,7 +220,11 @@ static void weights_are_as_expected(void **state)
 static lf_renderer *by(const char *integrator, int threads, lf_pool **out_pool)
 {
     lf_test_light_paths(PATHS);
-    lf_scene *scene = lf_test_scene(lf_test_scene_text("glossy-corner"));
+    lf_scene *scene = lf_test_scene_in(
+        folder,
+        lf_test_scene_patched("glossy-corner",
+                              "{'lights': {'sky': {'type': 'environment', 'file': 'sky.hdr'}}}"),
+        NULL);
     lf_assert_ok(lf_pool_create(threads, out_pool), NULL);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, *out_pool);
     lf_scene_unref(scene);
@@ -216,12 +305,83 @@ static void a_pass_can_be_cancelled(void **state)
     drop(r, pool);
 }
 
+/* ------------------------------------------------------------------------------ bright parts -- */
+
+static const lf_light *sky_light(const lf_scene *scene)
+{
+    assert_true(scene->n_lights == 1 && scene->lights[0].environment);
+    return &scene->lights[0];
+}
+
+static int texels_of(const lf_sky_lobe *lobe, const lf_light *light)
+{
+    int n = 0;
+    for (uint32_t i = 0; i < 128 * 64; i++)
+        n += lf_sky_lobe_pdf(lobe, light, lf_environment_direction(light, i, 0.5f, 0.5f)) > 0.0f;
+    return n;
+}
+
+/* Draws have the density that both kinds of paths ask for. Its mean inverse is the solid angle of
+ * the texels: the bright ones, and neighbours that are bright by interpolation. */
+static void skies_have_bright_parts(void **state)
+{
+    (void)state;
+    enum { DRAWS = 4000 };
+    lf_scene *scene =
+        lf_test_scene_in(folder, lf_test_scene_patched("glossy-corner", "%s", lights[SKY]), NULL);
+    const lf_light *light = sky_light(scene);
+    const int texels[2] = {10, 5};
+    lf_sky_lobe lobes[LF_SKY_LOBES];
+    int n;
+    assert_int_equal(lf_sky_lobes_find(light, lobes, &n), LF_OK);
+    assert_int_equal(n, 2);
+    assert_true(lobes[0].share > lobes[1].share && lobes[0].share + lobes[1].share < 1.0f);
+    assert_true(lf_dot(lobes[0].axis, lf_v3(-0.794f, 0.596f, 0.118f)) > 0.998f);
+    for (int i = 0; i < n; i++) {
+        double inverse = 0.0;
+        int others = 0;
+        assert_int_equal(lobes[i].n, texels[i]);
+        assert_int_equal(texels_of(&lobes[i], light), texels[i]);
+        for (int k = 0; k < DRAWS; k++) {
+            float pdf, u[3];
+            for (int j = 0; j < 3; j++)
+                u[j] = (float)(lf_hash64(3 * (uint64_t)k + (uint64_t)j, 7) >> 40) * 0x1p-24f;
+            const lf_vec3 wi = lf_sky_lobe_draw(&lobes[i], light, u, &pdf);
+            others += fabsf(lf_sky_lobe_pdf(&lobes[i], light, wi) / pdf - 1.0f) > 1e-3f;
+            assert_true(lf_sky_lobe_pdf(&lobes[1 - i], light, wi) == 0.0f);
+            inverse += 1.0 / ((double)pdf * DRAWS);
+        }
+        assert_true(others < DRAWS / 1000); /* by rounding, at edges */
+        const double angle = M_PI / 64 * M_PI / 64 * sqrt(1.0 - pow((double)lobes[i].axis.y, 2.0));
+        lf_assert_close(inverse / (angle * lobes[i].n), 1.0, 0.15, 0.0);
+    }
+    for (int i = 0; i < n; i++)
+        lf_sky_lobe_finish(&lobes[i]);
+    lf_scene_unref(scene);
+}
+
+/* No square lies across all directions of a wide texel. */
+static void coarse_skies_have_none(void **state)
+{
+    (void)state;
+    lf_sky_lobe lobes[LF_SKY_LOBES];
+    int n = -1;
+    lf_scene *scene = lf_test_scene_in(
+        folder,
+        lf_test_scene_patched("glossy-corner", "{'lights': {'sun': null, 'sky': {'type': "
+                                               "'environment', 'file': 'coarse.hdr'}}}"),
+        NULL);
+    assert_int_equal(lf_sky_lobes_find(sky_light(scene), lobes, &n), LF_OK);
+    assert_int_equal(n, 0);
+    lf_scene_unref(scene);
+}
+
 /* --------------------------------------------------------------------------------- the pilot -- */
 
 static int chosen(const char *text, const char *integrator)
 {
     lf_test_light_paths(LF_LIGHT_PATHS_AUTO);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene_in(folder, text, NULL);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     const int n = lf_test_rows(r)->light.plan.per_pass;
     lf_renderer_destroy(r);
@@ -235,6 +395,7 @@ static void the_pilot_takes_them_where_they_help(void **state)
     const char *corner = lf_test_scene_text("glossy-corner");
     assert_true(chosen(corner, "mvpt") > 0 && chosen(corner, "vpt") > 0);
     assert_true(chosen(lf_test_scene_text("sun-off-mirror"), "mvpt") > 0);
+    assert_true(chosen(lf_test_scene_patched("glossy-corner", "%s", lights[SKY]), "mvpt") > 0);
     /* one bounce: nothing but light from the light itself */
     assert_int_equal(
         chosen(lf_test_scene_patched("glossy-corner", "{'render': {'max_depth': 1}}"), "mvpt"), 0);
@@ -257,12 +418,15 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_agree_with_those_without),
         cmocka_unit_test(mistakes_in_the_balance_are_caught),
+        cmocka_unit_test(mistakes_at_pictures_are_caught),
         cmocka_unit_test(weights_are_as_expected),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(parts_and_steps_are_the_whole),
         cmocka_unit_test(rows_may_differ_in_their_visits),
         cmocka_unit_test(a_pass_can_be_cancelled),
+        cmocka_unit_test(skies_have_bright_parts),
+        cmocka_unit_test(coarse_skies_have_none),
         cmocka_unit_test(the_pilot_takes_them_where_they_help),
     };
-    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+    return cmocka_run_group_tests(tests, write_files, remove_files);
 }

@@ -111,3 +111,47 @@ double lf_mirror_sun_power(const lf_mirror_sun *scene)
     double cosine = fabs(dot(to, n));
     return scene->irradiance * 4.0 * sqrt(dot(across, across)) * cosine * reflectance(cosine);
 }
+
+/* ------------------------------------------------------------------------------ sky pictures -- */
+
+lf_mirror_sky lf_mirror_sky_scene(void)
+{
+    return (lf_mirror_sky){.rows = 128, .row = 55, .column = 243, .radiance = 3392, .parts = 8};
+}
+
+/* Part (i, j) of the texel's tent: its direction, and its radiance times solid angle. */
+static double tent(const lf_mirror_sky *sky, int i, int j, double out_to[3])
+{
+    double a = 2.0 * (i + 0.5) / sky->parts - 1.0, b = 2.0 * (j + 0.5) / sky->parts - 1.0,
+           step = M_PI / sky->rows, side = 2.0 * step / sky->parts;
+    double theta = step * (sky->row + 0.5 + b), phi = step * (sky->column + 0.5 + a) - M_PI;
+    /* the middle of the picture is towards -z, and columns run to the right of it */
+    out_to[0] = sin(theta) * sin(phi);
+    out_to[1] = cos(theta);
+    out_to[2] = -sin(theta) * cos(phi);
+    return sky->radiance * (1.0 - fabs(a)) * (1.0 - fabs(b)) * side * side * sin(theta);
+}
+
+double lf_mirror_sky_direct(const lf_mirror_sky *sky)
+{
+    double sum = 0.0, to[3];
+    for (int i = 0; i < sky->parts; i++)
+        for (int j = 0; j < sky->parts; j++) {
+            double light = tent(sky, i, j, to);
+            sum += light * to[2];
+        }
+    return sum;
+}
+
+double lf_mirror_sky_reflected(const lf_mirror_sun *scene, const lf_mirror_sky *sky, double x,
+                               double y)
+{
+    const double p[3] = {x, y, 0.0};
+    double sum = 0.0, to[3];
+    for (int i = 0; i < sky->parts; i++)
+        for (int j = 0; j < sky->parts; j++) {
+            double light = tent(sky, i, j, to);
+            sum += light * through_mirror(scene, p, to);
+        }
+    return sum;
+}

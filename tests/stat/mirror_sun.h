@@ -1,6 +1,6 @@
 /* Irradiance of the wall of tests/scenes/sun-off-mirror.json by brute force, in double: it shares
  * nothing with render/. The reflected sun is found by straight lines from a point of the wall to
- * the mirrored sun, one for each part of its disk. */
+ * the mirrored sun, one for each part of its disk. The sun may be a texel of a sky picture. */
 #ifndef LF_TESTS_MIRROR_SUN_H
 #define LF_TESTS_MIRROR_SUN_H
 
@@ -24,5 +24,21 @@ double lf_mirror_sun_reflected(const lf_mirror_sun *scene, double x, double y);
 /* The integral of the reflected irradiance over the whole wall, in closed form: exact for a point,
  * to the square of the sun's radius for a disk. */
 double lf_mirror_sun_power(const lf_mirror_sun *scene);
+
+/* A black sky picture, 2 rows x rows, with one bright texel. It is looked up bilinearly: the light
+ * is a tent two texels wide. */
+typedef struct lf_mirror_sky {
+    int rows, row, column;
+    double radiance; /* at the middle of the texel */
+    int parts;       /* of the tent, each way */
+} lf_mirror_sky;
+
+/* Such a sky with its texel where the sun of the scene is. */
+lf_mirror_sky lf_mirror_sky_scene(void);
+
+/* As above. */
+double lf_mirror_sky_direct(const lf_mirror_sky *sky);
+double lf_mirror_sky_reflected(const lf_mirror_sun *scene, const lf_mirror_sky *sky, double x,
+                               double y);
 
 #endif

@@ -8,7 +8,6 @@
  * versine and as wide as the rounding of directions. Its mean is the disk's, so that area and
  * energy are kept, and the sum of a smooth function over a lattice is as good as the integral. */
 #include "render/scene/vec_double.h"
-#include "render/transport/light/emitters.h"
 #include "render/transport/light/light_types.h"
 
 /* Half of the ramp, radians: what a direction may be off after a reflection. */
@@ -92,33 +91,16 @@ static bool varies(const lf_light *light, const lf_cone *among)
 
 /* ------------------------------------------------------------------------------- light paths -- */
 
-/* The density of paths per unit area of the square at a point of it; 0 outside. */
-static float density_at(const lf_emitter_square *square, float x, float y)
-{
-    const float scale = LF_EMITTER_GRID / (2.0f * square->half);
-    const float across = (x + square->half) * scale, along = (y + square->half) * scale;
-    if (!(across >= 0.0f && along >= 0.0f && across < LF_EMITTER_GRID && along < LF_EMITTER_GRID))
-        return 0.0f;
-    const int cell = (int)along * LF_EMITTER_GRID + (int)across;
-    return (square->density ? square->density[cell] : 1.0f) / (4.0f * square->half * square->half);
-}
-
 static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
                  const float u[6], lf_emitted *out)
 {
-    float inside;
+    float area;
     lf_light_sample towards;
-    out->cell = lf_cdf_find(square->cumulative, LF_EMITTER_CELLS, u[0], &inside);
-    const int column = out->cell % LF_EMITTER_GRID, row = out->cell / LF_EMITTER_GRID;
-    const float step = 2.0f * square->half / LF_EMITTER_GRID,
-                x = ((float)column + u[1]) * step - square->half,
-                y = ((float)row + u[2]) * step - square->half;
-    const lf_vec3 at = lf_madd(lf_madd(square->middle, x, square->right), y, square->up);
+    const lf_vec3 at = lf_emitter_square_draw(square, u, &out->cell, &area);
     if (!draw(scene, light, at, 0.0, u + 3, &towards))
         return false;
     out->w = lf_scale(towards.wi, -1.0f);
     out->p = lf_madd(at, 4.0f * square->half, towards.wi);
-    const float area = 4.0f * square->half * square->half / square->density[out->cell];
     out->flux = light->versine > 0.0f
                     ? lf_scale(light->radiance,
                                area * solid_angle(light) * lf_dot(out->w, light->direction))
@@ -126,15 +108,11 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     return true;
 }
 
-static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
-                          lf_vec3 wi, float distance)
+static float emit_density(const lf_scene *scene, const lf_light *light,
+                          const lf_emitter_square *square, lf_vec3 p, const lf_light_end *end)
 {
-    (void)distance;
-    const float cosine = -lf_dot(wi, light->direction);
-    lf_vec3 d = lf_sub(p, square->middle);
-    d = lf_madd(d, lf_dot(d, light->direction) / cosine, wi);
-    const float per_area =
-        density_at(square, lf_dot(d, square->right), lf_dot(d, square->up)) / cosine;
+    (void)scene;
+    const float per_area = lf_emitter_square_density(square, p, end->wi);
     return light->versine > 0.0f ? per_area / solid_angle(light) : per_area;
 }
 

@@ -9,6 +9,7 @@
 #include "base/image_io.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/light/light_types.h"
+#include "render/transport/light/sky_lobe.h"
 
 /* Share of the rows, and of the texels of a row, that is drawn uniformly. It keeps every cumulative
  * step above the resolution of the random numbers next to a sun, for images of up to 65536 texels a
@@ -107,7 +108,7 @@ lf_status lf_environment_commit(lf_environment *e)
 {
     size_t w = (size_t)e->width, h = (size_t)e->height, longer = w > h ? w : h;
     double *weight = lf_calloc(longer, sizeof *weight), *rows = lf_calloc(h, sizeof *rows),
-           above = 0.0, mean = picture_mean(e) * (1.0 + ROUNDING);
+           above = 0.0, whole = picture_mean(e), mean = whole * (1.0 + ROUNDING);
     if (!e->marginal)
         e->marginal = lf_calloc(h + 1, sizeof *e->marginal);
     if (!e->conditional)
@@ -127,6 +128,7 @@ lf_status lf_environment_commit(lf_environment *e)
         fill_pdf(e);
     else if (ok)
         memset(e->pdf, 0, h * w * sizeof *e->pdf);
+    e->mean = (float)whole;
     e->above_mean = (float)above;
     lf_free(weight);
     lf_free(rows);
@@ -175,6 +177,27 @@ static lf_vec3 rotate_back(const float m[3][3], lf_vec3 w)
                  m[0][2] * w.x + m[1][2] * w.y + m[2][2] * w.z);
 }
 
+/* The texel of a direction, by rows; *x and *y as in direction_to_texel. */
+static uint32_t texel_of(const lf_light *light, lf_vec3 w, float *x, float *y)
+{
+    const lf_environment *e = light->environment;
+    direction_to_texel(e, rotate(light->to_environment, w), x, y);
+    int column = (int)lf_min(*x, (float)(e->width - 1)),
+        row = (int)lf_min(*y, (float)(e->height - 1));
+    return (uint32_t)row * (uint32_t)e->width + (uint32_t)column;
+}
+
+uint32_t lf_environment_texel(const lf_light *light, lf_vec3 w)
+{
+    float x, y;
+    return texel_of(light, w, &x, &y);
+}
+
+double lf_environment_texel_angle(const lf_environment *e, int row)
+{
+    return row_solid_angle(e, row) / e->width;
+}
+
 lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
 {
     const lf_environment *e = light->environment;
@@ -183,11 +206,29 @@ lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf)
         *out_pdf = 0.0f;
         return light->radiance;
     }
-    direction_to_texel(e, rotate(light->to_environment, w), &x, &y);
-    int column = (int)lf_min(x, (float)(e->width - 1)),
-        row = (int)lf_min(y, (float)(e->height - 1));
-    *out_pdf = e->pdf[(size_t)row * (size_t)e->width + (size_t)column];
+    *out_pdf = e->pdf[texel_of(light, w, &x, &y)];
     return lf_mul(light->radiance, bilinear(e, x, y));
+}
+
+/* A direction in the scene; across, along: position in the texel. */
+static lf_vec3 direction_at(const lf_light *light, int row, int column, float across, float along)
+{
+    const lf_environment *e = light->environment;
+    float edges[2];
+    int from_pole = row_from_pole(e, row);
+    row_edges(e, from_pole, edges);
+    float h = edges[0] + across * (edges[1] - edges[0]), sine = 2.0f * sqrtf(h * (1.0f - h)),
+          cosine = 1.0f - 2.0f * h;
+    float phi = 2.0f * LF_PI * ((float)column + along) / (float)e->width;
+    return rotate_back(
+        light->to_environment,
+        lf_v3(sine * cosf(phi), from_pole == row ? cosine : -cosine, sine * sinf(phi)));
+}
+
+lf_vec3 lf_environment_direction(const lf_light *light, uint32_t texel, float across, float along)
+{
+    const uint32_t width = (uint32_t)light->environment->width;
+    return direction_at(light, (int)(texel / width), (int)(texel % width), across, along);
 }
 
 bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
@@ -195,18 +236,11 @@ bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p
 {
     (void)scene, (void)p, (void)place;
     const lf_environment *e = light->environment;
-    float along, across, edges[2];
+    float along, across;
     int row = lf_cdf_find(e->marginal, e->height, u[0], &across);
     int column =
         lf_cdf_find(e->conditional + (size_t)row * ((size_t)e->width + 1), e->width, u[1], &along);
-    int from_pole = row_from_pole(e, row);
-    row_edges(e, from_pole, edges);
-    float h = edges[0] + across * (edges[1] - edges[0]), sine = 2.0f * sqrtf(h * (1.0f - h)),
-          cosine = 1.0f - 2.0f * h;
-    float phi = 2.0f * LF_PI * ((float)column + along) / (float)e->width;
-    out->wi =
-        rotate_back(light->to_environment,
-                    lf_v3(sine * cosf(phi), from_pole == row ? cosine : -cosine, sine * sinf(phi)));
+    out->wi = direction_at(light, row, column, across, along);
     return true;
 }
 
@@ -232,6 +266,34 @@ void lf_environment_turn(lf_light *light, double angle)
     for (int i = 0; i < 9; i++)
         light->to_environment[i / 3][i % 3] = (float)m[i / 3][i % 3];
 }
+
+/* ------------------------------------------------------------------------------- light paths -- */
+
+static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
+                 const float u[6], lf_emitted *out)
+{
+    (void)scene;
+    float area, pdf, whole;
+    const lf_vec3 at = lf_emitter_square_draw(square, u, &out->cell, &area),
+                  wi = lf_sky_lobe_draw(square->lobe, light, u + 3, &pdf);
+    if (!(pdf > 0.0f))
+        return false;
+    out->w = lf_scale(wi, -1.0f);
+    out->p = lf_madd(at, 4.0f * square->half, wi);
+    out->flux =
+        lf_scale(lf_environment_escape(light, wi, &whole), area * lf_dot(wi, square->axis) / pdf);
+    return true;
+}
+
+static float emit_density(const lf_scene *scene, const lf_light *light,
+                          const lf_emitter_square *square, lf_vec3 p, const lf_light_end *end)
+{
+    (void)scene;
+    const float pdf = lf_sky_lobe_pdf(square->lobe, light, end->wi);
+    return pdf > 0.0f ? pdf * lf_emitter_square_density(square, p, end->wi) : 0.0f;
+}
+
+/* ---------------------------------------------------------------------------------- its keys -- */
 
 enum { FILE_NAME, SCALE, ROTATE, RADIANCE, VISIBLE };
 
@@ -267,4 +329,6 @@ const lf_light_kind lf_light_environment = {
     .power = lf_environment_power,
     .escape = lf_environment_escape,
     .varies = lf_environment_varies,
+    .emit = emit,
+    .emit_density = emit_density,
 };

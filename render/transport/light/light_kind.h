@@ -6,6 +6,7 @@
 
 #include "render/scene/affine.h"
 #include "render/scene/key.h"
+#include "render/transport/light/emitter_square.h"
 #include "render/transport/light/light.h"
 
 /* An area light: one-sided, black, in a mesh of its own. */
@@ -18,16 +19,6 @@ typedef struct lf_area_light {
     bool hidden; /* camera rays pass through it */
 } lf_area_light;
 
-/* Where light paths of a distant light start (emitters.h): a square through the scene's middle, in
- * cells of different densities. */
-typedef struct lf_emitter_square {
-    lf_vec3 middle, right, up;
-    float half;        /* half of its side */
-    int first;         /* its first cell among those of all lights */
-    float *density;    /* [cells] relative to an even one; NULL: even */
-    float *cumulative; /* [cells + 1] probabilities; NULL: the light has no square */
-} lf_emitter_square;
-
 /* The start of a light path. */
 typedef struct lf_emitted {
     lf_vec3 p;           /* on the light, or outside of the scene */
@@ -38,6 +29,13 @@ typedef struct lf_emitted {
     const lf_mesh *mesh; /* of the light's surface; NULL: none */
     uint32_t triangle;
 } lf_emitted;
+
+/* Where a ray from a surface finds a light. */
+typedef struct lf_light_end {
+    lf_vec3 wi;        /* unit, towards the light */
+    float distance;    /* to lights that no ray can hit */
+    uint32_t triangle; /* of lights with faces */
+} lf_light_end;
 
 typedef struct lf_light_kind {
     const char *name; /* value of "type" in a scene file */
@@ -101,10 +99,10 @@ typedef struct lf_light_kind {
      * path. */
     bool (*emit)(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
                  const float u[6], lf_emitted *out);
-    /* Its density at p, where it arrives from wi (unit, towards the light, `distance` away): per
-     * unit area across wi and per unit solid angle; only per area if no ray can hit the light. */
-    float (*emit_density)(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
-                          lf_vec3 wi, float distance);
+    /* Its density at p, where it arrives from `end`: per unit area across end->wi and per unit
+     * solid angle; only per area if no ray can hit the light. */
+    float (*emit_density)(const lf_scene *scene, const lf_light *light,
+                          const lf_emitter_square *square, lf_vec3 p, const lf_light_end *end);
 } lf_light_kind;
 
 /* All kinds, one line each, in the order in which committed scenes have their lights: lights at

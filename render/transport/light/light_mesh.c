@@ -170,7 +170,8 @@ static void extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_mi
     *out_radius = 0.5f * lf_length(lf_sub(max, min));
 }
 
-/* Even over the area, and in proportion to the cosine. */
+/* In proportion to the cosine, and even over the area; with a picture even over a triangle, which
+ * is chosen by its emission. */
 static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_square *square,
                  const float u[6], lf_emitted *out)
 {
@@ -186,7 +187,8 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     const float size = lf_length(cross);
     if (!(size > 0.0f))
         return false;
-    out->p = lf_mesh_point(mesh, out->triangle, root * (1.0f - u[2]), root * u[2]);
+    const float b1 = root * (1.0f - u[2]), b2 = root * u[2];
+    out->p = lf_mesh_point(mesh, out->triangle, b1, b2);
     const bool behind = !light->one_sided && u[5] >= 0.5f;
     out->normal = lf_scale(cross, (behind ? -1.0f : 1.0f) / size);
     lf_vec3 t, b;
@@ -194,15 +196,21 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     const float r = sqrtf(u[3]), phi = 2.0f * LF_PI * u[4];
     out->w =
         lf_from_frame(t, b, out->normal, lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(1.0f - u[3])));
-    out->flux = lf_scale(light->radiance, LF_PI * light->area * sides);
+    out->flux = light->has_picture ? lf_scale(emission_at(scene, mesh, out->triangle, b1, b2, 0.0f),
+                                              LF_PI * 0.5f * size / probability * sides)
+                                   : lf_scale(light->radiance, LF_PI * light->area * sides);
     return true;
 }
 
-static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
-                          lf_vec3 wi, float distance)
+static float emit_density(const lf_scene *scene, const lf_light *light,
+                          const lf_emitter_square *square, lf_vec3 p, const lf_light_end *end)
 {
-    (void)square, (void)p, (void)wi, (void)distance;
-    return 1.0f / (LF_PI * light->area * (light->one_sided ? 1.0f : 2.0f));
+    (void)square, (void)p;
+    const float sides = light->one_sided ? 1.0f : 2.0f;
+    if (!light->has_picture)
+        return 1.0f / (LF_PI * light->area * sides);
+    const float twice = lf_length(twice_area(&scene->meshes[light->mesh], end->triangle));
+    return twice > 0.0f ? share_of(light, end->triangle) / (LF_PI * 0.5f * twice * sides) : 0.0f;
 }
 
 const lf_light_kind lf_light_mesh = {

@@ -25,11 +25,11 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     return true;
 }
 
-static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
-                          lf_vec3 wi, float distance)
+static float emit_density(const lf_scene *scene, const lf_light *light,
+                          const lf_emitter_square *square, lf_vec3 p, const lf_light_end *end)
 {
-    (void)light, (void)square, (void)p, (void)wi;
-    return LF_INV_4PI / (distance * distance);
+    (void)scene, (void)light, (void)square, (void)p;
+    return LF_INV_4PI / (end->distance * end->distance);
 }
 
 void lf_light_point_extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,

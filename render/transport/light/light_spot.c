@@ -41,11 +41,11 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     return true;
 }
 
-static float emit_density(const lf_light *light, const lf_emitter_square *square, lf_vec3 p,
-                          lf_vec3 wi, float distance)
+static float emit_density(const lf_scene *scene, const lf_light *light,
+                          const lf_emitter_square *square, lf_vec3 p, const lf_light_end *end)
 {
-    (void)square, (void)p, (void)wi;
-    return 1.0f / (2.0f * LF_PI * light->versine * distance * distance);
+    (void)scene, (void)square, (void)p;
+    return 1.0f / (2.0f * LF_PI * light->versine * end->distance * end->distance);
 }
 
 static double power(const lf_light *light, double radius)

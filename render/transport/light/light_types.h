@@ -28,6 +28,13 @@ bool lf_environment_varies(const lf_light *light, const lf_cone *among);
 /* Sets light->to_environment: the middle of the image is towards -z, rotated by angle about +y. */
 void lf_environment_turn(lf_light *light, double angle);
 
+/* The texel of a direction in the scene, by rows. */
+uint32_t lf_environment_texel(const lf_light *light, lf_vec3 w);
+/* A direction in the scene; across and along in [0, 1): even over the texel. */
+lf_vec3 lf_environment_direction(const lf_light *light, uint32_t texel, float across, float along);
+/* The solid angle of each texel of a row. */
+double lf_environment_texel_angle(const lf_environment *e, int row);
+
 /* Half the width of a disk's rim, in versine. */
 float lf_disk_ramp(const lf_light *light);
 

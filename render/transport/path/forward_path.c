@@ -52,11 +52,11 @@ static float camera_end(const forward *path, const lf_event *first, lf_vec3 back
                         bool delta)
 {
     const lf_light *light = path->light;
-    const bool hits = path->start.mesh || light->versine > 0.0f;
+    const bool hits = path->start.mesh || (light->kind->varies && light->kind->varies(light));
     float drawn = light->select;
     if (path->start.mesh)
         drawn *= light->kind->hit_pdf(light, first->p, &path->start);
-    else if (light->kind->escape && light->versine > 0.0f)
+    else if (hits)
         (void)lf_light_escape(path->tracer->scene, back, &drawn);
     if (!path->start.mesh && !light->kind->escape) /* points and spots */
         return delta ? 0.0f : light->select;
@@ -131,10 +131,11 @@ static bool leave(forward *path, const lf_event *here, lf_vec3 back, bool is_fir
         return false;
     path->flux = lf_scale(beta, path->most);
     if (is_first) {
-        const float end = camera_end(path, here, back, camera, turned == TURN_DELTA),
+        const lf_light_end end = {back, here->surface, path->start.triangle};
+        const float camera_pdf = camera_end(path, here, back, camera, turned == TURN_DELTA),
                     density = lf_emitters_density(path->emitters, path->light, here->p,
-                                                  here->hit.ng, back, here->surface);
-        path->rate = end > 0.0f ? density / end : INFINITY;
+                                                  here->hit.ng, &end);
+        path->rate = camera_pdf > 0.0f ? density / camera_pdf : INFINITY;
     } else {
         path->rate *= path->pdf * cosine / lf_max(camera * path->cosine, 1e-30f);
     }

@@ -400,9 +400,10 @@ static lf_vec3 weigh_sample(const lf_light_balance *balance, const lf_event *eve
                 drawn = light->delta ? light->pdf : light->pdf + pdf;
     if (!(rate * reverse > 0.0f))
         return light->radiance;
+    const lf_light_end end = {light->wi, light->distance, light->triangle};
     return lf_emitters_weigh(balance->emitters, sums ? NULL : light->light, light->radiance,
                              balance->scale * rate * reverse / drawn, event->p, event->hit.ng,
-                             light->wi, light->distance);
+                             &end);
 }
 
 /* The same for light that a direction has found; rate: p_light / p_suffix, without the light. */
@@ -414,8 +415,9 @@ static lf_vec3 weigh_found(const lf_light_balance *balance, const lf_event *from
     const lf_light *light = next->kind == LF_EVENT_SURFACE
                                 ? lf_light_of_hit(balance->emitters->scene, &next->hit)
                                 : NULL;
+    const lf_light_end end = {next->w, INFINITY, light ? next->hit.triangle : 0};
     return lf_emitters_weigh(balance->emitters, light, found, balance->scale * rate, from->p,
-                             from->hit.ng, next->w, INFINITY);
+                             from->hit.ng, &end);
 }
 
 /* ---------------------------------------------------------------------------------- the walk -- */
