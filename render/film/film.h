@@ -287,9 +287,20 @@ static inline bool lf_film_is_hole(const lf_film_half half[2], const double n[2]
 /* Marks a hole in which a search found nothing: it counts as dark until a path arrives, whose
  * weight is far larger. */
 #define LF_FILM_SETTLED 1e-30f
-static inline void lf_film_settle(const lf_film_half *half, size_t pixel)
+/* The mark is in half h. What light paths have found in either half is lost, since its divisor
+ * would be the mark. */
+static inline void lf_film_settle(const lf_film_half half[2], int h, size_t pixel)
 {
-    half->scattered[pixel] = (lf_film_scattered){.w = LF_FILM_SETTLED};
+    half[h].scattered[pixel] = (lf_film_scattered){.w = LF_FILM_SETTLED};
+    half[!h].scattered[pixel] = (lf_film_scattered){.w = 0.0f};
+}
+/* Whether all weight of a pixel is a mark, in halves with these counts. */
+static inline bool lf_film_is_settled(const lf_film_half half[2], const double n[2], size_t pixel)
+{
+    float w = 0.0f;
+    for (int h = 0; h < 2; h++)
+        w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
+    return w == LF_FILM_SETTLED;
 }
 
 /* Records whether a visit's plane contains a medium or mesh. false: no plane of this row ever did,

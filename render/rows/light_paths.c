@@ -238,15 +238,16 @@ lf_status lf_light_paths_begin(lf_light_paths *paths, const lf_pass *pass, const
 }
 
 /* To M; or, if the film has features, to N, whose quotient by W the reconstruction filters. Not
- * where W is a mark (lf_film_settle). so_far: the half. */
-static void add_splat(lf_visit *visit, const lf_film_half *so_far, const lf_light_splat *splat)
+ * where W is a mark (lf_film_settle). so_far: both halves. */
+static void add_splat(lf_visit *visit, const lf_film_half so_far[2], const lf_light_splat *splat)
 {
     const float *c = splat->rgb;
+    const double *n = visit->plan->film->rows[visit->row].n;
     if (!visit->sums.feature)
         lf_visit_add_native(visit, splat->pixel, lf_v3(c[0], c[1], c[2]));
     else if (!isfinite(c[0] + c[1] + c[2]))
         visit->worker->tracer.nonfinite++;
-    else if (so_far->scattered[splat->pixel].w != LF_FILM_SETTLED)
+    else if (!lf_film_is_settled(so_far, n, splat->pixel))
         lf_film_scatter(&visit->sums, splat->pixel, c[0], c[1], c[2]);
 }
 
@@ -256,9 +257,10 @@ void lf_light_paths_add(const lf_light_paths *paths, lf_visit *visit)
     if (i < 0)
         return;
     const lf_light_set *set = &paths->sets[i];
-    const lf_film_half so_far = lf_film_at(visit->plan->film, visit->row, visit->half);
+    const lf_film_half so_far[2] = {lf_film_at(visit->plan->film, visit->row, 0),
+                                    lf_film_at(visit->plan->film, visit->row, 1)};
     for (size_t s = set->row_end[visit->row]; s < set->row_end[visit->row + 1]; s++)
-        add_splat(visit, &so_far, &set->sorted[s]);
+        add_splat(visit, so_far, &set->sorted[s]);
 }
 
 /* Light paths for each view pixel and native sample. */

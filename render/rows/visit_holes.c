@@ -54,7 +54,7 @@ static bool fill(lf_visit *visit, const film_points *at, int *out_left, const lf
             const bool settled = far && at->tries == 0;
             bool hole = lf_film_is_hole(halves, n, pixel);
             if (hole && settled)
-                lf_film_settle(&halves[visit->half], pixel);
+                lf_film_settle(halves, visit->half, pixel);
             else if (hole && far && !fill_pixel(visit, at, halves, view, column, &hole, cancel))
                 return false;
             *out_left += hole && far;

@@ -293,6 +293,33 @@ static void rows_may_differ_in_their_visits(void **state)
     drop(uneven, pools[1]);
 }
 
+/* A pixel in which no path was found counts as dark, with a weight that is a mark. Light of light
+ * paths must not be divided by it. */
+static void light_is_not_divided_by_marks(void **state)
+{
+    (void)state;
+    lf_test_light_paths(PATHS);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "glossy-corner", "{'materials': {'floor': {'alpha': 0.05}, 'ball': {'roughness': 0}}}"));
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    for (int i = 0; i < 40; i++) {
+        settings.seed = lf_hash64(lf_test_seed(), (uint64_t)(i / 4));
+        if (i % 4 == 0)
+            lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+        lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
+        lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
+        double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
+        for (int k = 0; k < n_views * width * height; k++)
+            if (!(picture[k] < 1e6))
+                fail_msg("pass %d: %g in pixel %d", i, picture[k], k);
+        free(picture);
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 static void a_pass_can_be_cancelled(void **state)
 {
     (void)state;
@@ -423,6 +450,7 @@ int main(void)
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(parts_and_steps_are_the_whole),
         cmocka_unit_test(rows_may_differ_in_their_visits),
+        cmocka_unit_test(light_is_not_divided_by_marks),
         cmocka_unit_test(a_pass_can_be_cancelled),
         cmocka_unit_test(skies_have_bright_parts),
         cmocka_unit_test(coarse_skies_have_none),
