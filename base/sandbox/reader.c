@@ -62,6 +62,14 @@ static lf_status serve(const lf_import_reader *reader, const lf_import_request *
     return status;
 }
 
+/* A scheduler signals all processes of a job. The asker then ends its reader, or waits for it. */
+static void leave_signals_to_the_asker(void)
+{
+    (void)signal(SIGTERM, SIG_IGN);
+    (void)signal(SIGINT, SIG_IGN);
+    (void)signal(SIGHUP, SIG_IGN);
+}
+
 int lf_reader_main(const lf_import_reader *reader)
 {
     lf_import_request request;
@@ -69,6 +77,7 @@ int lf_reader_main(const lf_import_reader *reader)
     lf_import_reply reply = {.step = LF_IMPORT_DONE};
     lf_error err = {0};
     int fd = -1, sealed = -1;
+    leave_signals_to_the_asker();
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || fd < 0) {
         fprintf(stderr,

@@ -157,6 +157,15 @@ static inline bool live_logged(const live *l, const char *text)
     return found;
 }
 
+/* Waits until the daemon's log holds this text. */
+static inline void live_await_logged(const live *l, const char *text)
+{
+    for (int i = 0; i < LIVE_PATIENCE_S * 50; i++, live_nap(20))
+        if (live_logged(l, text))
+            return;
+    fail_msg("\"%s\" is not logged", text);
+}
+
 static inline void live_connect(const live *l, live_client *c)
 {
     *c = (live_client){.fd = -1, .size = (size_t)3 << 20};

@@ -285,9 +285,7 @@ static void watch_writes_a_line_where_stdout_is_no_terminal(void **state)
     char *args[] = {(char *)(uintptr_t)lf_test_built("quiltctl"), (char *)(uintptr_t) "--socket",
                     l.socket, (char *)(uintptr_t) "watch", NULL};
     const pid_t pid = live_spawn(&l, args);
-    for (int i = 0; i < LIVE_PATIENCE_S * 50 && !live_logged(&l, "fog.json: rendering"); i++)
-        live_nap(20);
-    assert_true(live_logged(&l, "fog.json: rendering"));
+    live_await_logged(&l, "fog.json: rendering");
     kill(pid, SIGINT);
     assert_int_equal(live_reap(pid), 0);
     live_finish(&l);

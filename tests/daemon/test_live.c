@@ -383,9 +383,7 @@ static void the_scene_file_is_read_again_on_hangup_and_when_it_changes(void **st
     assert_int_equal(rename(next, l.scene), 0);
     assert_true(wait_for_generation(&c, 4) == 4);
     lf_test_write(l.folder, "scene/fog.json", "{\"quiltd\":1,");
-    for (int i = 0; i < LIVE_PATIENCE_S * 50 && !live_logged(&l, "fog.json:1"); i++)
-        live_nap(20);
-    assert_true(live_logged(&l, "fog.json:1"));
+    live_await_logged(&l, "fog.json:1");
     assert_true(live_number(&c, "status", NULL, "generation") == 4);
     assert_string_not_equal(live_status_text(&c, "state"), "error");
     live_close(&c);

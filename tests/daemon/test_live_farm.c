@@ -393,7 +393,7 @@ static void a_job_goes_on_without_quiltd_which_follows_it_again(void **state)
     assert_int_equal(farm_calls(f.folder, "cancel"), 0);
     /* not by a quiltd that may use no farm */
     live_start(&f.l, f.l.scene, "--device", f.l.sim, "--farm", "list", "--state", f.l.state, NULL);
-    assert_true(live_logged(&f.l, "start it with --farm slurm"));
+    live_await_logged(&f.l, "start it with --farm slurm");
     assert_int_equal(live_stop(&f.l), 0);
     start(&f);
     json_t *jobs = jobs_of(&f.c);
