@@ -32,8 +32,8 @@ static const struct scene {
     {"meshes-diffuse", "bench/meshes-diffuse.json", 10, 28, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"meshes-glossy-ground",
      "bench/meshes-glossy-ground.json",
-     0,
-     0,
+     4,
+     10,
      0,
      0,
      {"mvpt", LF_ESTIMATOR_CV}},
@@ -48,13 +48,13 @@ static const struct scene {
     {"cloud-mesh", "bench/cloud-mesh.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"mixed-cubes", "bench/mixed-cubes.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"cloud-g098", "bench/cloud-g098.json", 0.97, 2, 0.8, 1, {"mvpt", LF_ESTIMATOR_CV}},
-    {"meshes-glossy", "bench/meshes-glossy.json", 0.97, 2, 0.8, 1, {"mvpt", LF_ESTIMATOR_CV}},
+    {"meshes-glossy", "bench/meshes-glossy.json", 6, 16, 0.8, 1, {"mvpt", LF_ESTIMATOR_CV}},
     /* nothing is shared behind a mirror, so the baseline is the better reference */
-    {"meshes-mirror", "bench/meshes-mirror.json", 0.97, 2, 0.8, 1, {"vpt", LF_ESTIMATOR_MIS}},
-    /* of 2026-11-30, before light paths; caustics of mirrors and glass have no must, because most
-     * runs miss them */
-    {"room-shade", "bench/room-shade.json", 20, 40, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
-    {"room-window", "bench/room-window.json", 24, 40, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
+    {"meshes-mirror", "bench/meshes-mirror.json", 1.8, 3, 0.8, 1, {"vpt", LF_ESTIMATOR_MIS}},
+    /* caustics of mirrors and glass have no must, because those that a camera sees in the mirror or
+     * glass are in a few far too bright pixels */
+    {"room-shade", "bench/room-shade.json", 15, 40, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
+    {"room-window", "bench/room-window.json", 15, 40, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"fog-post", "bench/fog-post.json", 10, 30, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"textured-sky", "bench/textured-sky.json", 5, 10, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"glass-sun", "bench/glass-sun.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
