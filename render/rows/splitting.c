@@ -154,9 +154,9 @@ static void compare(const split_pivot pair[PAIR], pixel_sample *out)
 static void sample_pixel(const piloting *p, int i, lf_tracer *tracer)
 {
     const lf_rig *rig = p->rig;
-    const int view = i * 29 % rig->n_views,
-              column = (int)(((float)(i % ACROSS) + 0.5f) / ACROSS * (float)rig->width),
-              row = (int)(((float)(i / ACROSS) + 0.5f) / DOWN * (float)rig->height);
+    const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS,
+              column = (int)(((float)x + 0.5f) / ACROSS * (float)rig->width),
+              row = (int)(((float)y + 0.5f) / DOWN * (float)rig->height);
     pixel_sample *out = &p->pixels[i];
     split_pivot pair[PAIR] = {0};
     out->tile = lf_light_tile(rig, row, column);
