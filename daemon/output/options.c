@@ -96,7 +96,7 @@ const lf_param lf_option_params[] = {
     {.option = "suffixes", .argument = "auto|N", PLACE(tracing.suffixes),
      .has = offsetof(lf_options, tracing.has_suffixes), .low = 1, .high = LF_SUFFIXES_MOST,
      .words = suffixes,
-     .help = "paths from each point of a diffuse surface; auto: as the scene needs (auto)"},
+     .help = "paths from each point of a diffuse surface: 1, 2, 4 or 8; auto: as the scene needs (auto)"},
     {.option = "skip", .argument = "all|none|LIST", PLACE(tracing.skip),
      .has = offsetof(lf_options, tracing.has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
      .help = "optimisations to use where the scene allows them (all)"},
@@ -376,11 +376,14 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .max_depth = options->max_depth,
         .light_paths = light_paths_of(options),
         .suffixes = suffixes_of(options),
+        .one_light = suffixes_of(options) > 1,
         .skip = options->tracing.has_skip ? options->tracing.skip : LF_SKIP_ALL,
         .features = options->denoise == LF_DENOISE_ON || options->layers & LF_LAYER_DEPTH ||
                     options->guides,
     };
     lf_layout layout = {0};
+    if (settings.suffixes > 0 && (settings.suffixes & (settings.suffixes - 1)) != 0)
+        return lf_error_set(err, LF_E_ARG, "--suffixes", "must be auto, 1, 2, 4 or 8");
     resolve_camera(options, camera, calibration, &settings.camera);
     if (settings.camera.n_rows > 0 && options->views > 0)
         return lf_error_set(

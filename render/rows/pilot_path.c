@@ -18,10 +18,11 @@ bool lf_pilot_pivot(lf_tracer *tracer, const lf_rig *rig, int view, const float 
             *out_light = lf_mean3(lf_light_seen(scene, out->w));
         return false;
     }
+    const lf_material *material = lf_hit_material(&out->hit);
     out->p = out->hit.p;
-    if (lf_max3(out->hit.material->emission) > 0.0f)
-        *out_light = lf_mean3(out->hit.material->emission);
-    return lf_hit_material(&out->hit)->has_lobe;
+    if (lf_max3(material->emission) > 0.0f && !(material->one_sided && !out->hit.front))
+        *out_light = lf_mean3(material->emission);
+    return material->has_lobe;
 }
 
 void lf_pilot_suffix(lf_tracer *tracer, const lf_event *pivot, lf_sampler *sampler, int max_depth,

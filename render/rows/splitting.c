@@ -339,8 +339,9 @@ lf_status lf_splitting_choose(const lf_integrator_input *input, const lf_scene *
         return LF_OK;
     if (n == LF_SUFFIXES_AUTO)
         return light_paths ? LF_OK : find(&p, input->pool, out);
-    *out = (lf_splitting){.suffixes = n,
-                          .lights = settings->one_light ? 1 : n,
-                          .roulette = settings->early_roulette ? 1.0f - LF_ROULETTE : 0.0f};
+    *out =
+        (lf_splitting){.suffixes = n,
+                       .lights = settings->one_light ? 1 : n,
+                       .roulette = n > 1 && settings->early_roulette ? 1.0f - LF_ROULETTE : 0.0f};
     return LF_OK;
 }

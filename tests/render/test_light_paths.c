@@ -81,6 +81,21 @@ static void write_coarse_sky(void)
     write_hdr("coarse.hdr", 64, 1, texels);
 }
 
+/* A patch of bright texels, and far from it a single brighter one with a hundredth of its light. */
+static void write_spark_sky(void)
+{
+    enum { across = 256, down = 128 };
+    static unsigned char texels[across * down][4];
+    for (int i = 0; i < across * down; i++) {
+        const int x = i % across, y = i / across;
+        const bool patch = x >= 50 && x < 64 && y >= 40 && y < 54, spark = x == 180 && y == 60;
+        const unsigned char bright = spark ? 250 : 200;
+        const unsigned char texel[4] = {bright, bright, bright, spark ? 138 : patch ? 137 : 124};
+        memcpy(texels[i], texel, 4);
+    }
+    write_hdr("spark.hdr", across, down, texels[0]);
+}
+
 static int write_files(void **state)
 {
     uint8_t glow[64] = {0};
@@ -90,6 +105,7 @@ static int write_files(void **state)
     folder = lf_test_folder();
     write_sky();
     write_coarse_sky();
+    write_spark_sky();
     lf_picture_png(lf_test_path(folder, "glow.png"), 4, 4, 8, PNG_COLOR_TYPE_RGBA, false, NULL,
                    glow, 16);
     return 0;
@@ -403,6 +419,56 @@ static void coarse_skies_have_none(void **state)
     lf_scene_unref(scene);
 }
 
+/* A texel that is brightest, and alone, leaves the others theirs. */
+static void a_spark_hides_no_bright_part(void **state)
+{
+    (void)state;
+    lf_sky_lobe lobes[LF_SKY_LOBES];
+    int n;
+    lf_scene *scene = lf_test_scene_in(
+        folder,
+        lf_test_scene_patched("glossy-corner", "{'lights': {'sun': null, 'sky': {'type': "
+                                               "'environment', 'file': 'spark.hdr'}}}"),
+        NULL);
+    assert_int_equal(lf_sky_lobes_find(sky_light(scene), lobes, &n), LF_OK);
+    assert_true(n > 0);
+    assert_in_range(lobes[0].n, 130, 256);
+    assert_true(lobes[0].share > 0.3f);
+    for (int i = 0; i < n; i++)
+        lf_sky_lobe_finish(&lobes[i]);
+    lf_scene_unref(scene);
+}
+
+static void lamp_pictures(int emission, double alpha, const char *integrator, int paths,
+                          uint64_t salt, lf_blocks *out)
+{
+    const char *text = lf_test_scene_patched(
+        "glossy-corner",
+        "{'lights': {'sun': null}, 'materials': {'lamp': {'albedo': 0, 'emission': %d,"
+        " 'alpha': %.1f}}, 'meshes': {'lamp': {'shape': 'quad', 'material': 'lamp',"
+        " 'transform': {'scale': 0.5, 'translate': [0, 2.5, 0]}}}}",
+        emission, alpha);
+    pictures(text, integrator, paths, 0, paths > 0 ? 3 : 6, salt, out);
+}
+
+/* A lamp of alpha 0.2 sends a fifth of its light, and lets through what the dark one takes up. */
+static void lamps_of_alpha_send_their_share(void **state)
+{
+    (void)state;
+    lf_blocks opaque, brighter, camera, both;
+    lamp_pictures(4, 1.0, "vpt", 0, 6, &opaque);
+    lamp_pictures(5, 1.0, "vpt", 0, 7, &brighter); /* a control */
+    lamp_pictures(20, 0.2, "vpt", 0, 8, &camera);
+    lamp_pictures(20, 0.2, "mvpt", PATHS, 9, &both);
+    assert_alike(&camera, &opaque, "vpt", 0);
+    assert_alike(&both, &opaque, "mvpt", 0);
+    assert_true(lf_blocks_welch(&camera, &brighter, NULL) < CERTAIN);
+    lf_blocks_finish(&opaque);
+    lf_blocks_finish(&brighter);
+    lf_blocks_finish(&camera);
+    lf_blocks_finish(&both);
+}
+
 /* --------------------------------------------------------------------------------- the pilot -- */
 
 static int chosen(const char *text, const char *integrator)
@@ -454,6 +520,8 @@ int main(void)
         cmocka_unit_test(a_pass_can_be_cancelled),
         cmocka_unit_test(skies_have_bright_parts),
         cmocka_unit_test(coarse_skies_have_none),
+        cmocka_unit_test(a_spark_hides_no_bright_part),
+        cmocka_unit_test(lamps_of_alpha_send_their_share),
         cmocka_unit_test(the_pilot_takes_them_where_they_help),
     };
     return cmocka_run_group_tests(tests, write_files, remove_files);

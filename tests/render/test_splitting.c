@@ -3,6 +3,7 @@
  * the bytes do not depend on threads; and the pilot splits in a room and not in the open. */
 #include "tests/testing.h"
 
+#include "render/rows/pilot_path.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
@@ -78,6 +79,40 @@ static void pictures_agree_with_those_of_one_suffix(void **state)
             fail_msg("way %zu: p %.2g", i, p);
     }
     lf_blocks_finish(&truth);
+}
+
+/* So the light samples of a pixel are as even as without splitting. */
+static void a_shared_light_sample_is_that_of_one_suffix(void **state)
+{
+    (void)state;
+    lf_test_suffixes(0, false, false);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched("glossy-corner", "%s", lamp));
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_tracer tracer = {.scene = scene};
+    lf_event event = {0};
+    float seen = 0.0f;
+    int lit = 0;
+    assert_true(lf_pilot_pivot(&tracer, &lf_test_rows(r)->rig, 2, (const float[]){12.5f, 14.5f},
+                               &event, &seen));
+    const lf_vec3 wo = lf_scale(event.w, -1.0f);
+    for (uint32_t index = 0; index < 16; index++) {
+        const lf_splitting of = {.suffixes = 4, .lights = 1};
+        lf_suffix one = {0}, first = {0}, second = {0};
+        lf_sampler sampler;
+        lf_sampler_init(&sampler, LF_SAMPLER_OWEN, 77, index);
+        lf_suffix_draw_light(&tracer, &event, &sampler, &one);
+        lf_sampler_init(&sampler, LF_SAMPLER_OWEN, 77, index);
+        lf_suffix_draw_of(&tracer, &event, wo, &sampler, &of, 0, &first);
+        lf_suffix_draw_of(&tracer, &event, wo, &sampler, &of, 1, &second);
+        assert_true(one.has_light == first.has_light && !second.has_light);
+        if (!one.has_light)
+            continue;
+        lit++;
+        assert_memory_equal(&one.light.wi, &first.light.wi, sizeof one.light.wi);
+    }
+    assert_true(lit > 8);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
 }
 
 static void a_sum_in_place_of_the_mean_is_caught(void **state)
@@ -239,6 +274,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_agree_with_those_of_one_suffix),
+        cmocka_unit_test(a_shared_light_sample_is_that_of_one_suffix),
         cmocka_unit_test(a_sum_in_place_of_the_mean_is_caught),
         cmocka_unit_test(light_paths_know_the_number),
         cmocka_unit_test(weights_are_as_expected),

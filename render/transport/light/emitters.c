@@ -180,17 +180,20 @@ lf_vec3 lf_emitters_weigh(const lf_emitters *emitters, const lf_light *light, lf
         float density = 0.0f;
         for (int s = emitters->first[i]; s < emitters->first[i + 1]; s++)
             density += seen_density(emitters, &emitters->of[s], p, ng, end);
-        return lf_scale(radiance, 1.0f / (1.0f + rate * density));
+        return density > 0.0f ? lf_scale(radiance, 1.0f / (1.0f + rate * density)) : radiance;
     }
     for (int s = 0; s < emitters->n_infinite; s++) {
         const lf_emitter *of = &emitters->of[s];
         if (of->square.lobe && !lf_sky_lobe_near(of->square.lobe, end->wi))
             continue;
+        const float density = seen_density(emitters, of, p, ng, end);
+        if (!(density > 0.0f))
+            continue;
         float pdf;
-        lf_vec3 own = of->light->kind->escape(of->light, end->wi, &pdf);
+        const lf_vec3 own = of->light->kind->escape(of->light, end->wi, &pdf);
         if (!(lf_max3(own) > 0.0f))
             continue;
-        float x = rate * seen_density(emitters, of, p, ng, end);
+        const float x = rate * density;
         radiance = lf_madd(radiance, 1.0f / (1.0f + x) - 1.0f, own);
     }
     return lf_v3(lf_max(radiance.x, 0.0f), lf_max(radiance.y, 0.0f), lf_max(radiance.z, 0.0f));

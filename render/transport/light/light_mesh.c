@@ -102,12 +102,35 @@ static void meet(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, const double
     *b2 = lf_min(lf_max(lf_dot(d, q) * inverse, 0.0f), 1.0f - *b1);
 }
 
+static lf_hit point_at(const lf_scene *scene, const lf_mesh *mesh, uint32_t triangle, float u,
+                       float v)
+{
+    return (lf_hit){.mesh = mesh,
+                    .triangle = triangle,
+                    .u = u,
+                    .v = v,
+                    .material = &scene->materials[lf_mesh_material(mesh, triangle)]};
+}
+
 static lf_vec3 emission_at(const lf_scene *scene, const lf_mesh *mesh, uint32_t triangle, float u,
                            float v, float width)
 {
-    lf_hit hit = {.mesh = mesh, .triangle = triangle, .u = u, .v = v};
-    hit.material = &scene->materials[lf_mesh_material(mesh, triangle)];
+    const lf_hit hit = point_at(scene, mesh, triangle, u, v);
     return lf_hit_emission(&hit, width);
+}
+
+/* The radiance of a point of the light: of an alpha surface its share, as rays find it. */
+static lf_vec3 radiance_at(const lf_scene *scene, const lf_light *light, uint32_t triangle, float u,
+                           float v)
+{
+    const lf_mesh *mesh = &scene->meshes[light->mesh];
+    const lf_vec3 radiance =
+        light->has_picture ? emission_at(scene, mesh, triangle, u, v, 0.0f) : light->radiance;
+    if (!lf_has(scene, LF_TRAIT_ALPHA))
+        return radiance;
+    const lf_hit hit = point_at(scene, mesh, triangle, u, v);
+    return lf_is_alpha_surface(hit.material) ? lf_scale(radiance, lf_hit_cover(&hit, 0.0f))
+                                             : radiance;
 }
 
 static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
@@ -140,9 +163,7 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
                              .distance = distance,
                              .point = q,
                              .normal = n,
-                             .radiance = light->has_picture
-                                             ? emission_at(scene, mesh, triangle, b1, b2, 0.0f)
-                                             : light->radiance,
+                             .radiance = radiance_at(scene, light, triangle, b1, b2),
                              .pdf = pdf,
                              .mesh = mesh,
                              .triangle = triangle};
@@ -196,9 +217,9 @@ static bool emit(const lf_scene *scene, const lf_light *light, const lf_emitter_
     const float r = sqrtf(u[3]), phi = 2.0f * LF_PI * u[4];
     out->w =
         lf_from_frame(t, b, out->normal, lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(1.0f - u[3])));
-    out->flux = light->has_picture ? lf_scale(emission_at(scene, mesh, out->triangle, b1, b2, 0.0f),
-                                              LF_PI * 0.5f * size / probability * sides)
-                                   : lf_scale(light->radiance, LF_PI * light->area * sides);
+    out->flux =
+        lf_scale(radiance_at(scene, light, out->triangle, b1, b2),
+                 LF_PI * sides * (light->has_picture ? 0.5f * size / probability : light->area));
     return true;
 }
 

@@ -13,6 +13,8 @@
 #define MOST_RADIUS LF_RADIANS(60.0)
 /* A lobe with a smaller share of what is bright is left to camera paths. */
 #define LEAST_SHARE 0.02
+/* Bright texels around which a lobe is sought, at most. */
+enum { TRIES = 64 };
 
 /* Of cosines. */
 #define ROUNDING 3e-7f
@@ -110,7 +112,7 @@ static lf_status fill(lf_sky_lobe *lobe, const bright_texels *bright, double tot
     return LF_OK;
 }
 
-/* One lobe. *out_n: its texels, 0 if no lobe is left. */
+/* One lobe. *out_n: its texels, 0 if too little is bright there; then no other lobe has them. */
 static lf_status find_lobe(bright_texels *bright, lf_sky_lobe *lobe, size_t *out_n)
 {
     double total = 0.0, widest = 0.0;
@@ -123,6 +125,8 @@ static lf_status find_lobe(bright_texels *bright, lf_sky_lobe *lobe, size_t *out
             ++*out_n;
         }
     if (!(total > LEAST_SHARE * bright->sum)) {
+        for (size_t i = 0; i < bright->n; i++)
+            bright->of[i].taken |= is_near(bright, &bright->of[i], lobe->axis);
         *out_n = 0;
         return LF_OK;
     }
@@ -135,9 +139,10 @@ lf_status lf_sky_lobes_find(const lf_light *light, lf_sky_lobe out[LF_SKY_LOBES]
 {
     bright_texels bright;
     lf_status status = find_bright(light, &bright);
-    size_t texels = bright.n;
+    size_t texels = 0;
     memset(out, 0, LF_SKY_LOBES * sizeof *out);
-    for (*out_n = 0; status == LF_OK && texels > 0 && *out_n < LF_SKY_LOBES;) {
+    *out_n = 0;
+    for (int i = 0; i < TRIES && bright.n > 0 && status == LF_OK && *out_n < LF_SKY_LOBES; i++) {
         status = find_lobe(&bright, &out[*out_n], &texels);
         *out_n += status == LF_OK && texels > 0;
     }

@@ -105,13 +105,16 @@ enum { LIGHT_DIMENSIONS = 3, DIMENSIONS = 6 };
 void lf_suffix_draw_of(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
                        const lf_splitting *of, int i, lf_suffix *suffix)
 {
+    const bool is_shared = of->lights < of->suffixes;
+    if (is_shared && i == 0)
+        lf_suffix_draw_light(tracer, event, sampler, suffix);
     if (i > 0)
         lf_sampler_next(sampler, sampler->dimension - DIMENSIONS);
     else if (of->suffixes > 1)
         lf_sampler_split(sampler, of->suffixes);
-    if (i < of->lights)
+    if (!is_shared)
         lf_suffix_draw_light(tracer, event, sampler, suffix);
-    else
+    else if (i > 0)
         sampler->dimension += LIGHT_DIMENSIONS;
     lf_suffix_turn(tracer, event, wo, sampler, suffix);
 }
