@@ -624,9 +624,8 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
 
 json_t *lf_renderer_skipped(const lf_renderer *renderer)
 {
-    const unsigned found = lf_skip_found(renderer->scene) |
-                           (renderer->film.layout.has_known ? 0 : LF_SKIP_KNOWN_LIGHT),
-                   skipped = found & renderer->settings.skip & renderer->integrator->skips;
+    unsigned skipped =
+        lf_skip_found(renderer->scene) & renderer->settings.skip & renderer->integrator->skips;
     json_t *object = json_object();
     if (renderer->integrator->skipped)
         renderer->integrator->skipped(renderer->state, object);

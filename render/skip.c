@@ -38,7 +38,7 @@ unsigned lf_skip_found(const lf_scene *scene)
     found |= lf_has(scene, LF_TRAIT_VIEW_LOBES) ? 0 : LF_SKIP_VIEW_LOBES;
     found |= lf_has(scene, LF_TRAIT_EMISSION) ? 0 : LF_SKIP_EMISSION;
     found |= !lf_has(scene, LF_TRAIT_MIRRORS) && scene->equiangular.n == 0 &&
-                     lf_unscattered_uniform(scene, NULL, sky)
+                     lf_unscattered_uniform(scene, sky)
                  ? LF_SKIP_KNOWN_LIGHT
                  : 0;
     found |= lf_lane_scene_serves(scene) ? LF_SKIP_PATHS : 0;

@@ -12,7 +12,7 @@
 LF_NODISCARD lf_status lf_skip_scene(const lf_scene *scene, unsigned skip, lf_scene *out,
                                      struct lf_geometry **out_empty, lf_error *err);
 
-/* Bits of lf_skip: the optimisations that the scene allows, wherever its cameras are. */
+/* Bits of lf_skip: the optimisations that the scene allows. */
 unsigned lf_skip_found(const lf_scene *scene);
 
 #endif

@@ -228,17 +228,3 @@ float lf_rig_view_between(const lf_rig *from, const lf_rig *to)
     double b = pose[0][3] - pose[2][3] * x / z;
     return (float)(b * (n - 1.0) / (width * n));
 }
-
-lf_cone lf_rig_cone(const lf_rig *rig)
-{
-    const float lens = rig->lens_radius / rig->focus,
-                up = lf_max(fabsf(rig->y0), fabsf(rig->y0 + (float)rig->height * rig->dy)) /
-                         rig->distance +
-                     lens + rig->blur_up / rig->focus;
-    float along = 0.0f;
-    for (int k = 0; k < rig->n_views; k++)
-        along = lf_max(along, lf_max(fabsf(lf_rig_slope(rig, k, 0.0f)),
-                                     fabsf(lf_rig_slope(rig, k, (float)rig->width))));
-    along += lens + rig->blur / rig->focus;
-    return (lf_cone){rig->forward, atanf(sqrtf(along * along + up * up))};
-}

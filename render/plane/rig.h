@@ -118,9 +118,6 @@ static inline float lf_rig_slope(const lf_rig *rig, int view, float u)
     return (rig->x0 + u * rig->dx - rig->skew[view]) / rig->distance;
 }
 
-/* A cone about `forward` that contains the directions of all rays of all views. */
-lf_cone lf_rig_cone(const lf_rig *rig);
-
 /* Half a pixel's extent on a plane across the view, per unit of its depth Z; the same in all views.
  * A ray filters textures over it; the pixel averages its rays. */
 static inline float lf_rig_spread(const lf_rig *rig)

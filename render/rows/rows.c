@@ -108,12 +108,12 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
 
 /* The scene's requirements for the film; sky if B is not stored. */
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
-                                  const lf_rig *rig, bool moves, bool light_paths, float sky[3])
+                                  const lf_rig *rig, bool light_paths, float sky[3])
 {
     bool native = light_paths || lf_has(scene, LF_TRAIT_MIRRORS) || scene->equiangular.n > 0 ||
                   (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION));
-    bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT &&
-                   lf_unscattered_uniform(scene, moves ? NULL : rig, sky),
+    bool uniform =
+             !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_unscattered_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
         grids = grids || (scene->volumes[i].kind == LF_VOLUME_GRID && !scene->volumes[i].nearest);
@@ -250,7 +250,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                                      !sharing->entry.shares, &rows->splitting);
     if (status == LF_OK) {
         needs.layout =
-            film_layout(&rows->seen, input->settings, &rows->rig, lf_moving_moves(&rows->moving),
+            film_layout(&rows->seen, input->settings, &rows->rig,
                         rows->light.plan.per_pass > 0 && !input->settings->features, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, lf_moving_moves(&rows->moving),
                                                sharing, rows->rig.n_views);

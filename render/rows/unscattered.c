@@ -273,27 +273,25 @@ static void write_feature(const lf_unscattered *e, size_t pixel, int k, bool lob
         write_albedo(visit, pixel, k, surface, alphas, off);
 }
 
-/* Whether the cameras see another colour in another direction. */
-static bool sky_varies(const lf_scene *scene, const lf_rig *rig)
+/* Whether the camera sees another colour in another direction. */
+static bool sky_varies(const lf_scene *scene)
 {
     const lf_backdrop *b = &scene->backdrop;
-    const lf_cone cone = rig ? lf_rig_cone(rig) : (lf_cone){.angle = LF_PI};
     bool varies =
         b->given && (b->top.x != b->bottom.x || b->top.y != b->bottom.y || b->top.z != b->bottom.z);
     for (int i = 0; i < scene->n_lights_infinite && !b->given; i++) {
         const lf_light *light = &scene->lights[i];
-        varies = varies || (!light->hidden && light->kind->varies &&
-                            light->kind->varies(light, rig ? &cone : NULL));
+        varies = varies || (!light->hidden && light->kind->varies && light->kind->varies(light));
     }
     return varies;
 }
 
-bool lf_unscattered_constant(const lf_scene *scene, const lf_rig *rig, float out_sky[3])
+bool lf_unscattered_constant(const lf_scene *scene, float out_sky[3])
 {
-    if (sky_varies(scene, rig))
+    if (sky_varies(scene))
         return false;
-    const lf_vec3 seen = rig ? rig->forward : lf_v3(0.0f, 1.0f, 0.0f),
-                  sky = scene->backdrop.given ? scene->backdrop.top : lf_light_seen(scene, seen);
+    lf_vec3 sky =
+        scene->backdrop.given ? scene->backdrop.top : lf_light_seen(scene, lf_v3(0.0f, 1.0f, 0.0f));
     out_sky[0] = sky.x;
     out_sky[1] = sky.y;
     out_sky[2] = sky.z;
@@ -306,15 +304,14 @@ bool lf_unscattered_sky(const lf_visit *visit, lf_vec3 *out)
     float sky[3];
     if (scene->backdrop.given)
         *out = lf_backdrop_at(&scene->backdrop, lf_rig_height_between(visit->rig, visit->plane.my));
-    else if (visit->plan->skip & LF_SKIP_KNOWN_LIGHT &&
-             lf_unscattered_constant(scene, visit->rig, sky))
+    else if (visit->plan->skip & LF_SKIP_KNOWN_LIGHT && lf_unscattered_constant(scene, sky))
         *out = lf_v3(sky[0], sky[1], sky[2]);
     else
         return false;
     return true;
 }
 
-bool lf_unscattered_uniform(const lf_scene *scene, const lf_rig *rig, float out_sky[3])
+bool lf_unscattered_uniform(const lf_scene *scene, float out_sky[3])
 {
     if (scene->emissive.n > 0 || lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA))
         return false;
@@ -326,7 +323,7 @@ bool lf_unscattered_uniform(const lf_scene *scene, const lf_rig *rig, float out_
     for (int i = 0; i < scene->n_lights; i++)
         if (scene->lights[i].motion && scene->lights[i].kind->escape)
             return false;
-    return lf_unscattered_constant(scene, rig, out_sky);
+    return lf_unscattered_constant(scene, out_sky);
 }
 
 float lf_unscattered_film_point(uint64_t key, int column, uint32_t index)

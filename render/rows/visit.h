@@ -331,12 +331,11 @@ void lf_unscattered_row(const lf_visit *visit, bool between);
 /* Takes the film points of the row's outlines in another plane, which has been cut (outlines.h). */
 void lf_unscattered_outlines(const lf_visit *visit, int plane);
 
-/* Whether every ray of a rig that meets nothing sees the same light, as when a sun is behind the
- * cameras; rig NULL: every ray. */
-bool lf_unscattered_constant(const lf_scene *scene, const lf_rig *rig, float out_sky[3]);
+/* Whether every camera ray that meets nothing sees the same light. */
+bool lf_unscattered_constant(const lf_scene *scene, float out_sky[3]);
 /* Whether, in addition, the sky does not change while the shutter is open, and every object
  * scatters to all views and emits nothing, also volumes. B is then sky (1 - q) in every pixel.
  * false with chromatic media. */
-bool lf_unscattered_uniform(const lf_scene *scene, const lf_rig *rig, float out_sky[3]);
+bool lf_unscattered_uniform(const lf_scene *scene, float out_sky[3]);
 
 #endif

@@ -27,12 +27,6 @@ typedef struct lf_vec3 {
     float x, y, z;
 } lf_vec3;
 
-/* Directions within an angle of the axis, in radians. */
-typedef struct lf_cone {
-    lf_vec3 axis; /* unit */
-    float angle;
-} lf_cone;
-
 static inline lf_vec3 lf_v3(float x, float y, float z)
 {
     return (lf_vec3){x, y, z};

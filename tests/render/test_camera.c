@@ -153,50 +153,6 @@ static void views_stand_in_a_grid(void **state)
     lf_scene_unref(scene);
 }
 
-/* The directions of the rays at the corners of the frame and the rim of the lens; returns the
- * largest angle from the axis. */
-static float widest(const lf_rig *rig, lf_vec3 axis)
-{
-    float most = 0.0f;
-    for (int i = 0; i < 64; i++) {
-        const float u_lens[2] = {(float)(i & 1), 0.25f + 0.5f * (float)(i >> 1 & 1)},
-                    v = i >> 2 & 1 ? (float)rig->height : 0.0f,
-                    u = i >> 3 & 1 ? (float)rig->width : 0.0f;
-        lf_row_plane plane;
-        lf_rig_row_plane(rig, v, u_lens, &plane);
-        const float lx = plane.lens_chord * (float)((i >> 4) % 3 - 1);
-        for (int k = 0; k < rig->n_views; k++) {
-            const lf_vec3 w = lf_normalize(
-                lf_rig_direction(rig, lf_rig_slope(rig, k, u) - lx / rig->focus, plane.my, 1.0f));
-            most = lf_max(most, acosf(lf_min(lf_dot(w, axis), 1.0f)));
-        }
-    }
-    return most;
-}
-
-static void every_ray_is_in_the_cone_of_its_rig(void **state)
-{
-    (void)state;
-    static const char *const cameras[] = {
-        "{'fov_y': 30, 'cone': 40}",
-        "{'fov_y': 50, 'cone': 5, 'aspect': 0.5, 'lens_radius': 0.4, 'focus_distance': 3}",
-        "{'fov_y': 20, 'cone': 50, 'views': 5, 'view_blur': 3}",
-        "{'fov_y': 30, 'views': {'track': {'length': 2.5, 'window': 'own'}}}"};
-    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
-        char text[256];
-        snprintf(text, sizeof text, "{'camera': %s}", cameras[i]);
-        lf_scene *scene = lf_test_scene(text);
-        const lf_render_settings settings = {
-            .width = 12, .height = 16, .camera = *lf_scene_camera(scene)};
-        lf_rig rig;
-        lf_assert_ok(lf_rig_init(&rig, &settings, scene->origin, NULL), NULL);
-        const lf_cone cone = lf_rig_cone(&rig);
-        const float most = widest(&rig, cone.axis);
-        assert_true(most <= cone.angle + 1e-5f && most > 0.7f * cone.angle);
-        lf_scene_unref(scene);
-    }
-}
-
 static void a_track_that_is_none_is_refused(void **state)
 {
     (void)state;
@@ -232,7 +188,6 @@ int main(void)
         cmocka_unit_test(views_stand_on_a_track),
         cmocka_unit_test(views_stand_in_a_grid),
         cmocka_unit_test(a_long_track_is_parts_of_equal_length),
-        cmocka_unit_test(every_ray_is_in_the_cone_of_its_rig),
         cmocka_unit_test(a_track_that_is_none_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

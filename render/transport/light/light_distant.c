@@ -78,15 +78,9 @@ static double power(const lf_light *light, double radius)
     return (double)LF_PI * radius * radius * (double)lf_mean3(light->irradiance);
 }
 
-static bool varies(const lf_light *light, const lf_cone *among)
+static bool varies(const lf_light *light)
 {
-    const float rounding = 1e-3f;
-    if (!(light->versine > 0.0f) || !among)
-        return light->versine > 0.0f;
-    const float disk = light->versine + lf_disk_ramp(light),
-                radius = acosf(lf_max(1.0f - disk, -1.0f)),
-                apart = acosf(lf_min(lf_max(-lf_dot(light->direction, among->axis), -1.0f), 1.0f));
-    return !(apart > among->angle + radius + rounding);
+    return light->versine > 0.0f;
 }
 
 /* ------------------------------------------------------------------------------- light paths -- */

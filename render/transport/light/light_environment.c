@@ -253,9 +253,8 @@ double lf_environment_power(const lf_light *light, double radius)
            (double)lf_mean3(light->radiance);
 }
 
-bool lf_environment_varies(const lf_light *light, const lf_cone *among)
+bool lf_environment_varies(const lf_light *light)
 {
-    (void)among;
     return light->environment;
 }
 

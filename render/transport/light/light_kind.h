@@ -80,9 +80,8 @@ typedef struct lf_light_kind {
 
     /* Radiance from infinity along w, and the pdf of drawing it; both 0 for delta lights. */
     lf_vec3 (*escape)(const lf_light *light, lf_vec3 w, float *out_pdf);
-    /* Whether escape's radiance depends on w, of the directions in `among`, NULL = all; NULL = no.
-     */
-    bool (*varies)(const lf_light *light, const lf_cone *among);
+    /* Whether escape's radiance depends on w; NULL = no. */
+    bool (*varies)(const lf_light *light);
 
     /* Lights at a distance; NULL for others. */
 

@@ -24,7 +24,7 @@ bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p
                          const float u[2], lf_light_sample *out);
 double lf_environment_power(const lf_light *light, double radius);
 lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf);
-bool lf_environment_varies(const lf_light *light, const lf_cone *among);
+bool lf_environment_varies(const lf_light *light);
 /* Sets light->to_environment: the middle of the image is towards -z, rotated by angle about +y. */
 void lf_environment_turn(lf_light *light, double angle);
 

@@ -52,7 +52,7 @@ static float camera_end(const forward *path, const lf_event *first, lf_vec3 back
                         bool delta)
 {
     const lf_light *light = path->light;
-    const bool hits = path->start.mesh || (light->kind->varies && light->kind->varies(light, NULL));
+    const bool hits = path->start.mesh || (light->kind->varies && light->kind->varies(light));
     float drawn = light->select;
     if (path->start.mesh)
         drawn *= light->kind->hit_pdf(light, first->p, &path->start);

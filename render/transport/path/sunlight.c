@@ -57,7 +57,7 @@ static bool sky_tells(const lf_scene *scene)
         const lf_light *light = &scene->lights[i];
         const bool sky = lf_max3(light->radiance) > 0.0f;
         emits = emits || sky;
-        varies = varies || is_sun(light) || (sky && light->kind->varies(light, NULL));
+        varies = varies || is_sun(light) || (sky && light->kind->varies(light));
     }
     for (int i = 1; i < scene->n_materials && emits && !lf_has(scene, LF_TRAIT_VARYING_ALBEDO); i++)
         varies = varies || grey_of(&scene->materials[i]) != grey_of(&scene->materials[0]);
