@@ -72,9 +72,9 @@ typedef struct lf_pages_head {
 
 void *lf_pages(size_t n, size_t size)
 {
-    size_t bytes;
-    if (__builtin_mul_overflow(n, size, &bytes) || bytes > PTRDIFF_MAX - sizeof(lf_pages_head))
+    if (size > 0 && n > (PTRDIFF_MAX - sizeof(lf_pages_head)) / size)
         return NULL;
+    const size_t bytes = n * size;
     lf_pages_head *head = mmap(NULL, bytes + sizeof *head, PROT_READ | PROT_WRITE,
                                MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (head == MAP_FAILED)

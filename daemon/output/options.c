@@ -96,7 +96,7 @@ const lf_param lf_option_params[] = {
     {.option = "suffixes", .argument = "auto|N", PLACE(tracing.suffixes),
      .has = offsetof(lf_options, tracing.has_suffixes), .low = 1, .high = LF_SUFFIXES_MOST,
      .words = suffixes,
-     .help = "paths from each point of a diffuse surface: 1, 2, 4 or 8; auto: as the scene needs (auto)"},
+     .help = "paths per point of a diffuse surface: 1, 2, 4, 8; auto: as needed (auto)"},
     {.option = "skip", .argument = "all|none|LIST", PLACE(tracing.skip),
      .has = offsetof(lf_options, tracing.has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
      .help = "optimisations to use where the scene allows them (all)"},
