@@ -148,7 +148,8 @@ typedef struct lf_integrator_entry {
     /* output files are denoised by default; false: it is a reference to compare with, or has no
      * reconstruction */
     bool reconstructs;
-    bool takes_light_paths; /* lf_render_settings.light_paths, and suffixes */
+    bool takes_light_paths; /* lf_render_settings.light_paths */
+    bool splits;            /* lf_render_settings.suffixes */
     bool remembers;         /* it has state besides its film: lf_renderer_passes_after refuses it */
     bool spreads;           /* paths of a row reach others: the film receives a pass as a whole */
     /* supported traits of a scene and its view; lf_renderer_create refuses others */

@@ -49,7 +49,7 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
     const lf_integrator_entry *entry = lf_integrator_named(integrator);
     if (s->light_paths != 0 && entry && entry->takes_light_paths && lf_light_paths_serve(scene, s))
         json_object_set_new(words, "light_paths", json_integer(s->light_paths));
-    if (s->suffixes != 0 && entry && entry->takes_light_paths && lf_splitting_serves(scene, s))
+    if (s->suffixes != 0 && entry && entry->splits && lf_splitting_serves(scene, s))
         json_object_set_new(words, "suffixes",
                             json_pack("[i, b, b]", s->suffixes, s->one_light, s->early_roulette));
     for (int i = 0; i < 2 && c->moves; i++) {

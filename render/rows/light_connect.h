@@ -10,7 +10,7 @@ typedef struct lf_light_sink {
     void *context;
     /* Whether a row is wanted. */
     bool (*wants)(void *context, int row);
-    /* Takes light for a view pixel of a row, an index [view][column]; cell: of the path's start. */
+    /* Takes light for a view pixel of a row, an index [view][column]. */
     void (*take)(void *context, int row, size_t pixel, lf_vec3 rgb);
     /* Ends the light of a vertex. */
     void (*close)(void *context, const lf_forward_vertex *vertex);

@@ -10,15 +10,10 @@
 /* Paths of a chunk: enough that its list is cheap, few enough for many workers. */
 enum { CHUNK = 512 };
 
-#define SERVED                                                                                     \
-    ((LF_TRAITS_PLAIN_SURFACES & ~LF_TRAIT_OVERLAPS) | LF_TRAIT_MIRRORS | LF_TRAIT_ROUGH_GLASS |   \
-     LF_TRAIT_FILLED_GLASS | LF_TRAIT_ALPHA | LF_TRAIT_SUNS | LF_TRAIT_SKY_PICTURES |              \
-     LF_TRAIT_AREA_LIGHTS | LF_TRAIT_BACKDROP | LF_TRAIT_FEATURES)
-
 bool lf_light_paths_serve(const lf_scene *scene, const lf_render_settings *settings)
 {
     const lf_traits has = scene->traits | lf_view_traits(settings);
-    return scene->embree && !(has & ~SERVED);
+    return scene->embree && !(has & ~(LF_TRAITS_SURFACE_SCENES & ~LF_TRAIT_OVERLAPS));
 }
 
 /* ---------------------------------------------------------------------------------- the sets -- */

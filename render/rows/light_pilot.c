@@ -4,7 +4,6 @@
 
 #include "base/alloc.h"
 #include "render/rows/light_connect.h"
-#include "render/rows/pilot_path.h"
 
 /* Samples of the first part, and light paths of each part, in chunks. */
 enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
@@ -12,7 +11,6 @@ enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
 #define LEARNING_SHARE 0.15
 /* Chunks of the first round, in which all vertices survive, and of later ones. */
 enum { FIRST_LEARNING = 16, LEAST_LEARNING = 32, MOST_LEARNING = 512 };
-enum { TILES = LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS };
 
 /* The share of the variance from which light paths pay off. */
 #define LEAST_SHARE 0.7
@@ -39,12 +37,6 @@ typedef struct asking {
     bool *missed;         /* [chunks] whether camera paths cannot find some light */
 } asking;
 
-static float square(lf_vec3 a, lf_vec3 b)
-{
-    const lf_vec3 d = lf_sub(a, b);
-    return 0.5f * lf_mean3(lf_mul(d, d));
-}
-
 /* A camera ray. false: it meets no surface with a lobe. */
 static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pivot_sample *out,
                        lf_event *event)
@@ -54,7 +46,7 @@ static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pi
     const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS;
     const float u = ((float)x + lf_rng(tracer)) / ACROSS * (float)rig->width,
                 v = ((float)y + lf_rng(tracer)) / DOWN * (float)rig->height;
-    out->tile = lf_light_tile(rig, (int)lf_min(v, (float)(rig->height - 1)),
+    out->tile = lf_pilot_part(rig, (int)lf_min(v, (float)(rig->height - 1)),
                               (int)lf_min(u, (float)(rig->width - 1)));
     return lf_pilot_pivot(tracer, rig, view, (const float[]){u, v}, event, &out->mean);
 }
@@ -81,8 +73,8 @@ static void sample_pivot(const asking *a, int i, lf_tracer *tracer)
             y[k][rest] = lf_pilot_radiance(pilot->scene, &event, &suffix);
         }
     out->mean += 0.5f * lf_mean3(lf_add(y[0][0], y[1][0]));
-    out->all = square(y[0][0], y[1][0]);
-    out->rest = square(y[0][1], y[1][1]);
+    out->all = lf_pilot_variance(y[0][0], y[1][0]);
+    out->rest = lf_pilot_variance(y[0][1], y[1][1]);
 }
 
 static void sample_pivots(void *context, int item, int worker)
@@ -97,12 +89,12 @@ static void sample_pivots(void *context, int item, int worker)
 /* The image in tiles. */
 static void find_importance(const pivot_sample *pivots, lf_light_plan *plan)
 {
-    double sum[TILES] = {0.0}, n[TILES] = {0.0};
+    double sum[LF_PILOT_PARTS] = {0.0}, n[LF_PILOT_PARTS] = {0.0};
     for (int i = 0; i < PIVOTS; i++) {
         sum[pivots[i].tile] += (double)pivots[i].mean;
         n[pivots[i].tile] += 1.0;
     }
-    for (int i = 0; i < TILES; i++)
+    for (int i = 0; i < LF_PILOT_PARTS; i++)
         plan->importance[i] = (float)(1.0 / (0.1 + (n[i] > 0.0 ? sum[i] / n[i] : 0.0)));
 }
 

@@ -7,12 +7,8 @@
 #define LF_RENDER_LIGHT_PILOT_H
 
 #include "base/thread.h"
-#include "render/plane/rig.h"
+#include "render/rows/pilot_path.h"
 #include "render/transport/path/forward_path.h"
-#include "render/transport/path/suffix_one.h"
-
-/* Parts of the image for which the pilot estimates the brightness. */
-enum { LF_LIGHT_TILE_ROWS = 8, LF_LIGHT_TILE_COLUMNS = 6 };
 
 typedef struct lf_light_plan {
     const lf_emitters *emitters;
@@ -23,19 +19,13 @@ typedef struct lf_light_plan {
      * over this; 0: all survive. */
     float cut;
     /* 1 over the brightness of a tile plus a tenth */
-    float importance[LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS];
+    float importance[LF_PILOT_PARTS];
 } lf_light_plan;
-
-static inline int lf_light_tile(const lf_rig *rig, int row, int column)
-{
-    return row * LF_LIGHT_TILE_ROWS / rig->height * LF_LIGHT_TILE_COLUMNS +
-           column * LF_LIGHT_TILE_COLUMNS / rig->width;
-}
 
 static inline float lf_light_importance(const lf_light_plan *plan, const lf_rig *rig, int row,
                                         int column)
 {
-    return plan->importance[lf_light_tile(rig, row, column)];
+    return plan->importance[lf_pilot_part(rig, row, column)];
 }
 
 /* Input of the pilot. */

@@ -1,9 +1,29 @@
-/* Camera paths of the pilots, which run before the first pass; private to render/rows/. */
+/* What the pilots share, which run before the first pass: camera paths, and parts of the image;
+ * private to render/rows/. */
 #ifndef LF_RENDER_PILOT_PATH_H
 #define LF_RENDER_PILOT_PATH_H
 
 #include "render/plane/rig.h"
 #include "render/transport/path/suffix_one.h"
+
+/* Parts of the image, for which pilots estimate the brightness. */
+enum {
+    LF_PILOT_PART_ROWS = 8,
+    LF_PILOT_PART_COLUMNS = 6,
+    LF_PILOT_PARTS = LF_PILOT_PART_ROWS * LF_PILOT_PART_COLUMNS
+};
+static inline int lf_pilot_part(const lf_rig *rig, int row, int column)
+{
+    return row * LF_PILOT_PART_ROWS / rig->height * LF_PILOT_PART_COLUMNS +
+           column * LF_PILOT_PART_COLUMNS / rig->width;
+}
+
+/* The variance that two samples suggest, mean of the channels. */
+static inline float lf_pilot_variance(lf_vec3 a, lf_vec3 b)
+{
+    const lf_vec3 d = lf_sub(a, b);
+    return 0.5f * lf_mean3(lf_mul(d, d));
+}
 
 /* Traces the ray of a view's film point. out->w, and where the ray meets a surface with a lobe, the
  * pivot there. Sets the tracer's footprint. *out_light: what the camera sees there itself. false:

@@ -245,7 +245,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                                          !sharing->entry.shares);
         rows->splitting = LF_SPLITTING_NONE;
     }
-    if (status == LF_OK && sharing->entry.takes_light_paths)
+    if (status == LF_OK && sharing->entry.splits)
         status = lf_splitting_choose(input, &rows->seen, &rows->rig, rows->light.plan.per_pass > 0,
                                      !sharing->entry.shares, &rows->splitting);
     if (status == LF_OK) {

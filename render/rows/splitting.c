@@ -7,7 +7,6 @@
 
 /* Pixels of the pilot, over all views, in chunks. */
 enum { ACROSS = 32, DOWN = 32, PIXELS = ACROSS * DOWN, CHUNK = 128 };
-enum { TILES = LF_LIGHT_TILE_ROWS * LF_LIGHT_TILE_COLUMNS };
 /* A pair of pivots in each pixel, a pair of suffixes at each pivot. */
 enum { PAIR = 2 };
 /* Thresholds of the roulette: LF_ROULETTE, or 1. */
@@ -35,12 +34,9 @@ enum { GROUPS = 4 };
 
 bool lf_splitting_serves(const lf_scene *scene, const lf_render_settings *settings)
 {
-    const lf_traits served = LF_TRAITS_PLAIN_SURFACES | LF_TRAIT_MIRRORS | LF_TRAIT_ROUGH_GLASS |
-                             LF_TRAIT_FILLED_GLASS | LF_TRAIT_ALPHA | LF_TRAIT_SUNS |
-                             LF_TRAIT_SKY_PICTURES | LF_TRAIT_AREA_LIGHTS | LF_TRAIT_BACKDROP |
-                             LF_TRAIT_FEATURES;
     const lf_traits has = scene->traits | lf_view_traits(settings);
-    return scene->embree && !(has & ~served) && lf_max_depth(scene, settings->max_depth) > 1;
+    return scene->embree && !(has & ~LF_TRAITS_SURFACE_SCENES) &&
+           lf_max_depth(scene, settings->max_depth) > 1;
 }
 
 /* ------------------------------------------------------------------------------- the samples -- */
@@ -81,12 +77,6 @@ static float product(lf_vec3 a, lf_vec3 b)
     return lf_mean3(lf_mul(a, b));
 }
 
-static float half_square(lf_vec3 a, lf_vec3 b)
-{
-    const lf_vec3 d = lf_sub(a, b);
-    return 0.5f * product(d, d);
-}
-
 static void sample_suffixes(const piloting *p, uint64_t key, lf_tracer *tracer, split_pivot *out)
 {
     const float spread = tracer->spread;
@@ -118,16 +108,16 @@ static void add_within(const split_pivot *pivot, pixel_sample *out)
     out->others += pivot->diffuse ? 0.0f : 1.0f;
     out->mean += 0.25f * lf_mean3(lf_add(pivot->sum[LATE][0], pivot->sum[LATE][1]));
     if (pivot->diffuse) {
-        out->light += half_square(l[0], l[1]);
+        out->light += lf_pilot_variance(l[0], l[1]);
         out->light_rays += 0.5f * pivot->light_rays;
     }
     for (int r = 0; r < ROULETTES; r++) {
         const lf_vec3 *y = pivot->sum[r];
         if (pivot->diffuse) {
-            out->direction[r] += half_square(lf_sub(y[0], l[0]), lf_sub(y[1], l[1]));
+            out->direction[r] += lf_pilot_variance(lf_sub(y[0], l[0]), lf_sub(y[1], l[1]));
             out->rays[r] += 0.5f * pivot->rays[r];
         } else {
-            out->other[r] += half_square(y[0], y[1]);
+            out->other[r] += lf_pilot_variance(y[0], y[1]);
             out->other_rays[r] += 0.5f * (pivot->rays[r] + pivot->light_rays);
         }
     }
@@ -159,7 +149,7 @@ static void sample_pixel(const piloting *p, int i, lf_tracer *tracer)
               row = (int)(((float)y + 0.5f) / DOWN * (float)rig->height);
     pixel_sample *out = &p->pixels[i];
     split_pivot pair[PAIR] = {0};
-    out->tile = lf_light_tile(rig, row, column);
+    out->tile = lf_pilot_part(rig, row, column);
     for (int k = 0; k < PAIR; k++) {
         split_pivot *pivot = &pair[k];
         const uint64_t key = lf_hash64(KEY, (uint64_t)(PAIR * i + k));
@@ -213,7 +203,7 @@ static void add(tally *sum, const pixel_sample *pixel, double weight)
 
 static void sum_up(const piloting *p, tally out[GROUPS + 1])
 {
-    double sum[TILES] = {0.0}, n[TILES] = {0.0};
+    double sum[LF_PILOT_PARTS] = {0.0}, n[LF_PILOT_PARTS] = {0.0};
     for (int i = 0; i < PIXELS; i++) {
         sum[p->pixels[i].tile] += (double)p->pixels[i].mean;
         n[p->pixels[i].tile] += 1.0;

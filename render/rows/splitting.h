@@ -9,7 +9,7 @@
 
 #include "render/integrator.h"
 #include "render/plane/rig.h"
-#include "render/rows/light_pilot.h"
+#include "render/transport/path/suffix_one.h"
 
 /* Whether the pilot can judge a scene and its view. Others have LF_SPLITTING_NONE. */
 bool lf_splitting_serves(const lf_scene *scene, const lf_render_settings *settings);

@@ -70,6 +70,11 @@ typedef uint64_t lf_traits;
     (LF_TRAIT_SURFACES | LF_TRAIT_INSTANCES | LF_TRAIT_HIDDEN_MESHES | LF_TRAIT_VARYING |          \
      LF_TRAIT_VARYING_ALBEDO | LF_TRAIT_VERTEX_COLOURS | LF_TRAIT_VIEW_LOBES | LF_TRAIT_EMISSION | \
      LF_TRAIT_OVERLAPS)
+/* Surfaces alone, seen by pinholes in rows. */
+#define LF_TRAITS_SURFACE_SCENES                                                                   \
+    (LF_TRAITS_PLAIN_SURFACES | LF_TRAIT_MIRRORS | LF_TRAIT_ROUGH_GLASS | LF_TRAIT_FILLED_GLASS |  \
+     LF_TRAIT_ALPHA | LF_TRAIT_SUNS | LF_TRAIT_SKY_PICTURES | LF_TRAIT_AREA_LIGHTS |               \
+     LF_TRAIT_BACKDROP | LF_TRAIT_FEATURES)
 #define LF_TRAITS_PLAIN_MEDIA                                                                      \
     (LF_TRAIT_MEDIA | LF_TRAIT_HOMOGENEOUS_MEDIA | LF_TRAIT_NEAREST_VOXELS |                       \
      LF_TRAIT_VARYING_MEDIA | LF_TRAIT_TWO_LOBES | LF_TRAIT_VIEW_LOBES)

@@ -124,12 +124,7 @@ static void pictures(const char *text, const char *integrator, int paths, unsign
     lf_scene *scene = lf_test_scene_in(folder, text, NULL);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     r->faults = faults;
-    lf_blocks_init(out, n_views, width, height, block);
-    for (int k = 0; k < 12; k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
-        lf_test_cycles(r, cycles);
-        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
-    }
+    lf_test_sampled_pictures(r, cycles, 12, salt, block, out);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }
@@ -403,17 +398,21 @@ static void skies_have_bright_parts(void **state)
     lf_scene_unref(scene);
 }
 
+static lf_scene *under_sky(const char *file)
+{
+    const char *text = lf_test_scene_patched(
+        "glossy-corner", "{'lights': {'sun': null, 'sky': {'type': 'environment', 'file': '%s'}}}",
+        file);
+    return lf_test_scene_in(folder, text, NULL);
+}
+
 /* No square lies across all directions of a wide texel. */
 static void coarse_skies_have_none(void **state)
 {
     (void)state;
     lf_sky_lobe lobes[LF_SKY_LOBES];
     int n = -1;
-    lf_scene *scene = lf_test_scene_in(
-        folder,
-        lf_test_scene_patched("glossy-corner", "{'lights': {'sun': null, 'sky': {'type': "
-                                               "'environment', 'file': 'coarse.hdr'}}}"),
-        NULL);
+    lf_scene *scene = under_sky("coarse.hdr");
     assert_int_equal(lf_sky_lobes_find(sky_light(scene), lobes, &n), LF_OK);
     assert_int_equal(n, 0);
     lf_scene_unref(scene);
@@ -425,11 +424,7 @@ static void a_spark_hides_no_bright_part(void **state)
     (void)state;
     lf_sky_lobe lobes[LF_SKY_LOBES];
     int n;
-    lf_scene *scene = lf_test_scene_in(
-        folder,
-        lf_test_scene_patched("glossy-corner", "{'lights': {'sun': null, 'sky': {'type': "
-                                               "'environment', 'file': 'spark.hdr'}}}"),
-        NULL);
+    lf_scene *scene = under_sky("spark.hdr");
     assert_int_equal(lf_sky_lobes_find(sky_light(scene), lobes, &n), LF_OK);
     assert_true(n > 0);
     assert_in_range(lobes[0].n, 130, 256);

@@ -261,12 +261,8 @@ static bool pictures(const drawing *d, int set, int times, uint64_t salt, lf_blo
     lf_scene *scene = lf_test_scene(d->text);
     lf_renderer *r = lf_test_renderer(scene, sets[set].integrator, width, height, NULL);
     const bool serves = lf_test_rows(r)->light.plan.per_pass == paths;
-    lf_blocks_init(out, n_views, width, height, block);
-    for (int k = 0; k < REPLICATES && serves; k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
-        lf_test_cycles(r, times * sets[set].cycles);
-        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
-    }
+    lf_test_sampled_pictures(r, times * sets[set].cycles, serves ? REPLICATES : 0, salt, block,
+                             out);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
     return serves;

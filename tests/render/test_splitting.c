@@ -44,12 +44,7 @@ static void pictures(const char *text, const way *by, int cycles, uint64_t salt,
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, by->integrator, width, height, NULL);
     r->faults = by->faults;
-    lf_blocks_init(out, n_views, width, height, block);
-    for (int k = 0; k < 12; k++) {
-        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
-        lf_test_cycles(r, cycles);
-        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
-    }
+    lf_test_sampled_pictures(r, cycles, 12, salt, block, out);
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }

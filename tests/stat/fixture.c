@@ -380,6 +380,17 @@ void lf_test_pictures(lf_renderer *r, lf_test_schedule schedule, lf_estimator es
     }
 }
 
+void lf_test_sampled_pictures(lf_renderer *r, int n_samples, int replicates, uint64_t salt,
+                              int block, lf_blocks *out)
+{
+    lf_blocks_init(out, r->film.n_views, r->film.width, r->film.height, block);
+    for (int k = 0; k < replicates; k++) {
+        lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
+        lf_test_cycles(r, n_samples);
+        lf_blocks_add_picture(out, r, LF_ESTIMATOR_MIS);
+    }
+}
+
 void lf_test_pictures_of(lf_scene *scene, const char *integrator, int width, int height,
                          lf_test_schedule schedule, uint64_t salt, int block, lf_blocks *out)
 {

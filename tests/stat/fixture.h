@@ -110,6 +110,9 @@ void lf_test_assert_weights(const char *scene, int width, int height, lf_test_sc
  * made here. */
 void lf_test_pictures(lf_renderer *renderer, lf_test_schedule schedule, lf_estimator estimator,
                       int replicates, uint64_t salt, int block, lf_blocks *out);
+/* The same by mis, of so many native samples a view pixel. */
+void lf_test_sampled_pictures(lf_renderer *renderer, int n_samples, int replicates, uint64_t salt,
+                              int block, lf_blocks *out);
 /* The same by mis of a scene, which is released: 12 replicates. */
 void lf_test_pictures_of(lf_scene *scene, const char *integrator, int width, int height,
                          lf_test_schedule schedule, uint64_t salt, int block, lf_blocks *out);

@@ -69,7 +69,8 @@ typedef struct lf_light_kind {
     void (*commit)(lf_light *light);
     /* Draws a direction from p with place and u[2] in [0,1). place is the remainder of the number
      * that picked the light, with more digits than a float. Non-delta lights at infinity fill only
-     * wi; delta lights fill all of lf_light_sample, with pdf 1. false = no sample. */
+     * wi; delta lights fill all of lf_light_sample, with pdf 1. Alpha surfaces send their share of
+     * the radiance, here and in emit. false = no sample. */
     bool (*draw)(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
                  const float u[2], lf_light_sample *out);
     /* Estimate of the power that reaches a ball of this radius around the scene's middle, in any

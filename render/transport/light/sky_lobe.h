@@ -19,8 +19,9 @@ typedef struct lf_sky_lobe {
 
 enum { LF_SKY_LOBES = 4 }; /* most of a sky */
 
-/* Finds the brightest lobes, with memory of their own. light has an environment. *out_n: 0 if no
- * part is bright. LF_E_NOMEM: none is left. */
+/* Finds lobes from the brightest texel on, with memory of their own. Those with less than a
+ * fiftieth of what is bright are left out. light has an environment. *out_n: 0 if no part is
+ * bright. LF_E_NOMEM: none is left. */
 LF_NODISCARD lf_status lf_sky_lobes_find(const lf_light *light, lf_sky_lobe out[LF_SKY_LOBES],
                                          int *out_n);
 /* Accepts a zeroed one. */

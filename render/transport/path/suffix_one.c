@@ -120,18 +120,18 @@ void lf_suffix_draw_of(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_
 }
 
 lf_vec3 lf_suffix_radiance_of(const lf_scene *scene, const lf_event *event, lf_vec3 wo,
-                              const lf_splitting *of, lf_suffix *suffix)
+                              const lf_splitting *of, const lf_suffix *suffix)
 {
-    if (of->lights != of->suffixes) {
-        const float each = (float)of->suffixes / (float)of->lights;
-        lf_vec3 f;
-        if (suffix->has_light && !suffix->light.delta)
-            suffix->light.pdf +=
-                (each - 1.0f) * lf_scatter_eval(scene, event, wo, suffix->light.wi, &f);
-        suffix->light.radiance = lf_scale(suffix->light.radiance, each);
-        suffix->found_pdf /= each;
-    }
-    return lf_suffix_radiance(scene, event, suffix, wo);
+    if (of->lights == of->suffixes)
+        return lf_suffix_radiance(scene, event, suffix, wo);
+    const float each = (float)of->suffixes / (float)of->lights;
+    lf_suffix own = *suffix;
+    lf_vec3 f;
+    if (own.has_light && !own.light.delta)
+        own.light.pdf += (each - 1.0f) * lf_scatter_eval(scene, event, wo, own.light.wi, &f);
+    own.light.radiance = lf_scale(own.light.radiance, each);
+    own.found_pdf /= each;
+    return lf_suffix_radiance(scene, event, &own, wo);
 }
 
 bool lf_is_view_dependent(const lf_scene *scene, const lf_event *event)

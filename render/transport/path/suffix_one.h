@@ -63,14 +63,15 @@ typedef struct lf_splitting {
 } lf_splitting;
 #define LF_SPLITTING_NONE ((lf_splitting){.suffixes = 1, .lights = 1})
 
-/* Draws number i of the suffixes into a zeroed one; its direction is pending. The light sample of
- * the first is for all if there is one. wo: as in lf_suffix_turn. */
+/* Draws number i of the suffixes, which come in order, into a zeroed one; its direction is pending.
+ * If there is one light sample for all, the first has it, as without splitting. wo: as in
+ * lf_suffix_turn. */
 void lf_suffix_draw_of(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
                        const lf_splitting *of, int i, lf_suffix *suffix);
 /* Radiance of one of the suffixes, whose mean is the radiance of the vertex. The direction has been
  * followed. */
 lf_vec3 lf_suffix_radiance_of(const lf_scene *scene, const lf_event *event, lf_vec3 wo,
-                              const lf_splitting *of, lf_suffix *suffix);
+                              const lf_splitting *of, const lf_suffix *suffix);
 
 /* Whether the scattering at a vertex depends on the view. */
 bool lf_is_view_dependent(const lf_scene *scene, const lf_event *event);
