@@ -72,6 +72,8 @@ isa_render/reconstruct/kernel_avx512 := -mavx512f $(avx)
 isa_render/transport/lanes/depth_avx2 := -mavx2 $(avx)
 isa_render/transport/lanes/suffix_avx2 := -mavx2 $(avx)
 isa_render/transport/lanes/suffix_avx512 := -mavx512f -mprefer-vector-width=512 $(avx)
+isa_render/transport/surface/surface_fan_avx2 := -mavx2 $(avx)
+isa_render/transport/surface/surface_fan_avx512 := -mavx512f -mprefer-vector-width=512 $(avx)
 # OpenVDB's templates, at half the time of -O2: reading a file takes as long, and yields the same bytes
 isa_render/import/reader/vdb_read := -O1
 # The lanes of suffixes are one template that is compiled three times. With both sanitizers at -O2 each took 70 s and more: -O1 is

@@ -5,6 +5,7 @@
 #define LF_RENDER_FAN_H
 
 #include "render/plane/section_walk.h"
+#include "render/transport/surface/surface.h"
 
 /* A pivot, to be projected into the views. */
 typedef struct lf_projection {
@@ -22,6 +23,26 @@ typedef struct lf_projected {
     float *h; /* 0: the view does not see the pivot's side, or has it out of frame */
 } lf_projected;
 
+/* What a pivot sends to the views, summed over its directions. Lanes after the last view are
+ * undefined. */
+typedef struct lf_sent {
+    float n[3][LF_MAX_LANES]; /* radiance times weight */
+    float w2[LF_MAX_LANES];   /* weights of the directions, W' */
+} lf_sent;
+
+/* A direction in the frame of the rays X = slope Z, Y = my Z: the vector across the views, the part
+ * along Z of a ray with slope 0, and 1 + my^2. */
+typedef struct lf_fan_axis {
+    float across, along, my2;
+} lf_fan_axis;
+
+/* W' of one direction. Where z <= LF_MIN_COS, a view draws no directions and gets `blind`. */
+typedef struct lf_fan_share {
+    const float *lobe; /* pdf of every view; NULL: no direction was drawn */
+    const float *z;    /* cosine to the view; NULL: every view draws directions */
+    float drawn, blind;
+} lf_fan_share;
+
 typedef struct lf_fans {
     const char *name;
 
@@ -31,6 +52,18 @@ typedef struct lf_fans {
 
     /* lf_kernels.densities for depths that are all 0. */
     float (*densities)(int n, const float *scale, float *d);
+
+    /* The cosine between an axis and each ray. out may not alias slope. */
+    void (*cosines)(const lf_fan_axis *axis, int n, const float *slope, float *out);
+    /* Henyey-Greenstein of every ray towards a direction, whose axis has the sign of g; |g| < 1. */
+    void (*phases)(float g, const float to[3], float my, int n, const float *slope, float *out);
+    /* The sum of strategy[k] pdf[k], added in the order of densities. */
+    float (*pdf)(int n, const float *strategy, const float *pdf);
+    /* Adds density[c][k] f[c][k] times the radiance, which includes the colour of the lobes. */
+    void (*collect)(int n, const float *const density[3], const lf_fan_lobes *lobes,
+                    lf_vec3 radiance, lf_sent *sent);
+    /* Adds density[k] times the share of W'. */
+    void (*collect_shares)(int n, const float *density, const lf_fan_share *share, lf_sent *sent);
 
     /* Boxes that may hide the point from positions between the outermost ones, one bit each. */
     unsigned (*meets)(const lf_section_node *node, const lf_question *q);

@@ -41,10 +41,21 @@ static void project(const lf_projection *of, int n, const lf_projected *out)
     }
 }
 
+/* In the fixed order lane 0..7 of running sums of 8. */
+LF_INLINE float total_of(const lanes sum[LF_LANES / LF_WIDTH])
+{
+    float part[LF_LANES], total;
+    for (int i = 0; i < LF_LANES / LF_WIDTH; i++)
+        store(part + i * LF_WIDTH, sum[i]);
+    total = part[0];
+    for (int i = 1; i < LF_LANES; i++)
+        total += part[i];
+    return total;
+}
+
 static float densities(int n, const float *scale, float *d)
 {
     lanes sum[LF_LANES / LF_WIDTH] = {{0.0f}};
-    float part[LF_LANES], total;
     for (int k = 0; k < n; k += LF_LANES) {
         for (int i = 0; i < LF_LANES / LF_WIDTH; i++) {
             const lanes all_of = load(scale + k + i * LF_WIDTH),
@@ -53,12 +64,65 @@ static float densities(int n, const float *scale, float *d)
             sum[i] += here;
         }
     }
-    for (int i = 0; i < LF_LANES / LF_WIDTH; i++)
-        store(part + i * LF_WIDTH, sum[i]);
-    total = part[0];
-    for (int i = 1; i < LF_LANES; i++)
-        total += part[i];
-    return total;
+    return total_of(sum);
+}
+
+/* ------------------------------------------------------------------------------------- lobes -- */
+
+static void cosines(const lf_fan_axis *axis, int n, const float *restrict slope,
+                    float *restrict out)
+{
+    const lf_fan_axis of = *axis;
+    for (int k = 0; k < n; k++)
+        out[k] = (slope[k] * of.across + of.along) / sqrtf(of.my2 + slope[k] * slope[k]);
+}
+
+static void phases(float g, const float to[3], float my, int n, const float *restrict slope,
+                   float *restrict out)
+{
+    const float a = fabsf(g), my2 = 1.0f + my * my,
+                numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a), tx = to[0], ty = to[1],
+                tz = to[2];
+    for (int k = 0; k < n; k++) {
+        const float inverse = 1.0f / sqrtf(my2 + slope[k] * slope[k]);
+        const float x = slope[k] * inverse - tx, y = my * inverse - ty, z = inverse - tz;
+        const float d = lf_max((1.0f - a) * (1.0f - a) + a * (x * x + y * y + z * z), 1e-12f);
+        out[k] = numerator / (d * sqrtf(d));
+    }
+}
+
+static float pdf(int n, const float *strategy, const float *of)
+{
+    lanes sum[LF_LANES / LF_WIDTH] = {{0.0f}};
+    for (int k = 0; k < n; k += LF_LANES)
+        for (int i = 0; i < LF_LANES / LF_WIDTH; i++)
+            sum[i] += load(strategy + k + i * LF_WIDTH) * load(of + k + i * LF_WIDTH);
+    return total_of(sum);
+}
+
+static void collect(int n, const float *const density[3], const lf_fan_lobes *lobes,
+                    lf_vec3 radiance, lf_sent *sent)
+{
+    const float channels[3] = {radiance.x, radiance.y, radiance.z};
+    for (int c = 0; c < 3; c++) {
+        const float *restrict d = density[c], *restrict f = lobes->f[c];
+        float *restrict out = sent->n[c];
+        const float channel = channels[c];
+        for (int k = 0; k < n; k++)
+            out[k] += d[k] * f[k] * channel;
+    }
+}
+
+static void collect_shares(int n, const float *restrict density, const lf_fan_share *share,
+                           lf_sent *sent)
+{
+    const float drawn = share->drawn, blind = share->blind;
+    const float *restrict lobe = share->lobe, *restrict z = share->z;
+    float *restrict out = sent->w2;
+    for (int k = 0; k < n && lobe; k++)
+        out[k] += density[k] * (z && !(z[k] > LF_MIN_COS) ? blind : drawn * lobe[k]);
+    for (int k = 0; k < n && !lobe; k++)
+        out[k] += density[k] * (z && !(z[k] > LF_MIN_COS) ? blind : 0.0f);
 }
 
 /* ------------------------------------------------------------------------------ hidden views -- */
@@ -259,7 +323,8 @@ static void nearest(const lf_section *section, float s0, int n, const float *c, 
 #define LF_FANS(which)                                                                             \
     {                                                                                              \
         .name = which, .project = project, .densities = densities, .meets = meets,                 \
-        .intervals = intervals, .hide = hide, .nearest = nearest                                   \
+        .cosines = cosines, .phases = phases, .pdf = pdf, .collect = collect,                      \
+        .collect_shares = collect_shares, .intervals = intervals, .hide = hide, .nearest = nearest \
     }
 
 #endif

@@ -9,6 +9,7 @@
 #include "render/plane/slice.h"
 #include "render/scene/look_up.h"
 #include "render/transport/lanes/suffix.h"
+#include "render/transport/surface/surface_fan.h"
 
 /* Points on a slice's rays at which the slice is compared with the grid (correction.h). */
 typedef struct lf_probe {
@@ -63,6 +64,9 @@ typedef struct lf_kernels {
 
     /* Loops for pivots on surfaces. */
     const lf_fans *fans;
+
+    /* Lobes of surfaces for all views. */
+    const lf_surface_fans *surfaces;
 } lf_kernels;
 
 extern const lf_kernels lf_kernels_c;

@@ -347,7 +347,8 @@ const lf_kernels lf_kernels_avx2 = {.name = "avx2",
                                     .compare = compare,
                                     .densities = densities,
                                     .suffixes = &lf_suffixes_avx2,
-                                    .fans = &lf_fans_avx2};
+                                    .fans = &lf_fans_avx2,
+                                    .surfaces = &lf_surface_fans_avx2};
 
 #else
 typedef int lf_kernels_avx2_not_here;

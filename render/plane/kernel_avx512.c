@@ -262,7 +262,8 @@ const lf_kernels lf_kernels_avx512 = {.name = "avx512",
                                       .compare = compare,
                                       .densities = densities,
                                       .suffixes = &lf_suffixes_avx512,
-                                      .fans = &lf_fans_avx2};
+                                      .fans = &lf_fans_avx2,
+                                      .surfaces = &lf_surface_fans_avx512};
 
 #else
 typedef int lf_kernels_avx512_not_here;

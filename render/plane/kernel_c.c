@@ -142,4 +142,5 @@ const lf_kernels lf_kernels_c = {.name = "c",
                                  .compare = compare,
                                  .densities = densities,
                                  .suffixes = &lf_suffixes_c,
-                                 .fans = &lf_fans_c};
+                                 .fans = &lf_fans_c,
+                                 .surfaces = &lf_surface_fans_c};

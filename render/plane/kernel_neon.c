@@ -246,7 +246,8 @@ const lf_kernels lf_kernels_neon = {.name = "neon",
                                     .compare = compare,
                                     .densities = densities,
                                     .suffixes = &lf_suffixes_c,
-                                    .fans = &lf_fans_c};
+                                    .fans = &lf_fans_c,
+                                    .surfaces = &lf_surface_fans_c};
 
 #else
 typedef int lf_kernels_neon_not_here;

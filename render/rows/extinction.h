@@ -22,9 +22,6 @@ typedef struct lf_extinction {
     void (*weigh)(const lf_visit *visit, const float *factor);
     /* Adds y times density times scale to every view, and density times scale to W. */
     void (*spread)(lf_visit *visit, lf_vec3 y, float scale);
-    /* Adds to every view its density times the sum of weight[t] colour[t] over the lobes' terms. */
-    void (*spread_lobes)(lf_visit *visit, const lf_fan_lobes *lobes,
-                         const lf_vec3 colour[LF_FAN_TERMS]);
 
     /* For one view's ray to the pivot, in all of LF_LANES (vpt.c): lf_prefix_own, with
      * factor[channels][LF_LANES] as the received factor. */

@@ -69,20 +69,6 @@ static void spread(lf_visit *visit, lf_vec3 y, float scale)
     }
 }
 
-static void spread_lobes(lf_visit *visit, const lf_fan_lobes *lobes,
-                         const lf_vec3 colour[LF_FAN_TERMS])
-{
-    const float *const *d = visit->worker->channels.received;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f), own = lf_v3(d[0][k], d[1][k], d[2][k]);
-        if (visit->worker->density[k] == 0.0f)
-            continue;
-        for (int t = 0; t < lobes->n_terms; t++)
-            y = lf_add(y, lf_mul(lf_scale(own, lobes->weight[t][k]), colour[t]));
-        lf_film_scatter(&visit->sums, lf_visit_pixel(visit, k), y.x, y.y, y.z);
-    }
-}
-
 /* d: D of a channel, up to a factor that the smallest depth keeps away from underflow. */
 static float own(const lf_visit *visit, const lf_pivot *pivot, const lf_rays *ray,
                  const float *factor, lf_vec3 *out_channels)
@@ -150,7 +136,6 @@ const lf_extinction lf_extinction_chromatic = {.channels = 3,
                                                .densities = densities,
                                                .weigh = weigh,
                                                .spread = spread,
-                                               .spread_lobes = spread_lobes,
                                                .own = own,
                                                .own_density = own_density,
                                                .march = march,

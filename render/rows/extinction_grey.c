@@ -41,23 +41,6 @@ static void spread(lf_visit *visit, lf_vec3 y, float scale)
     w->contributions += received;
 }
 
-static void spread_lobes(lf_visit *visit, const lf_fan_lobes *lobes,
-                         const lf_vec3 colour[LF_FAN_TERMS])
-{
-    const lf_scratch *w = visit->worker;
-    lf_film_sums sums = visit->sums; /* the arrays that it points to are written, not the copy */
-    const int views = visit->rig->n_views, terms = lobes->n_terms;
-    for (int k = 0; k < views; k++) {
-        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
-        float d = w->density[k];
-        if (d == 0.0f)
-            continue;
-        for (int t = 0; t < terms; t++)
-            y = lf_madd(y, d * lobes->weight[t][k], colour[t]);
-        lf_film_scatter(&sums, lf_visit_pixel(visit, k), y.x, y.y, y.z);
-    }
-}
-
 static float own(const lf_visit *visit, const lf_pivot *pivot, const lf_rays *ray,
                  const float *factor, lf_vec3 *out_channels)
 {
@@ -100,7 +83,6 @@ const lf_extinction lf_extinction_grey = {.channels = 1,
                                           .densities = densities,
                                           .weigh = weigh,
                                           .spread = spread,
-                                          .spread_lobes = spread_lobes,
                                           .own = own,
                                           .own_density = own_density,
                                           .march = march,

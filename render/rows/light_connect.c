@@ -57,12 +57,12 @@ static float eval(lf_light_connect *connect, const lf_pivot *pivot, lf_vec3 back
         lf_fan_look_back(visit, &pivot->event.hit);
         return lf_fan_eval(visit, pivot, back, out);
     }
-    *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0]}, .n_terms = 1};
+    *out = (lf_fan_lobes){.pdf = w->lobe, .f = {w->f[0], w->f[0], w->f[0]}};
     float sum = 0.0f, pdf = lf_scatter_eval(visit->scene, &pivot->event, pivot->event.hit.ng, back,
-                                            &out->colour[0]);
+                                            &out->colour);
     for (int k = 0; k < n; k++) {
         w->lobe[k] = pdf;
-        w->term[0][k] = 1.0f;
+        w->f[0][k] = 1.0f;
         sum += w->scale[k] * pdf;
     }
     return sum;
@@ -70,10 +70,7 @@ static float eval(lf_light_connect *connect, const lf_pivot *pivot, lf_vec3 back
 
 static lf_vec3 lobe_of(const lf_fan_lobes *f, int k)
 {
-    lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
-    for (int t = 0; t < f->n_terms; t++)
-        sum = lf_madd(sum, f->weight[t][k], f->colour[t]);
-    return sum;
+    return lf_mul(f->colour, lf_v3(f->f[0][k], f->f[1][k], f->f[2][k]));
 }
 
 /* a / (a + over), where a is M times the rate. */
@@ -117,12 +114,9 @@ static float see(lf_light_connect *connect, const lf_pivot *pivot)
 static float most_of(const lf_light_connect *connect, const lf_fan_lobes *f, lf_vec3 flux)
 {
     const lf_scratch *w = connect->visit.worker;
-    float tinted[LF_FAN_TERMS], sum = 0.0f;
-    for (int t = 0; t < f->n_terms; t++)
-        tinted[t] = lf_mean3(lf_mul(flux, f->colour[t]));
+    float sum = 0.0f;
     for (int k = 0; k < connect->visit.rig->n_views; k++)
-        for (int t = 0; t < f->n_terms; t++)
-            sum += w->scale[k] * f->weight[t][k] * tinted[t];
+        sum += w->scale[k] * lf_mean3(lf_mul(flux, lobe_of(f, k)));
     return sum;
 }
 

@@ -201,131 +201,112 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, lf_suffix *su
             lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k), w->density[k] * scale);
 }
 
-/* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h:
- * lf_phase_between). */
+/* Henyey-Greenstein of every view towards wi (phase.h: lf_phase_between). */
 static void phases(lf_visit *visit, float g, lf_vec3 wi, float *out)
 {
-    lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
-    float a = fabsf(g), my = visit->plane.my;
-    float sign = copysignf(1.0f, g), my2 = 1.0f + my * my,
-          numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
-    lf_vec3 to = lf_v3(sign * lf_dot(wi, rig->right), sign * lf_dot(wi, rig->up),
-                       sign * lf_dot(wi, rig->forward));
-    for (int k = 0; k < lf_rig_lanes(rig); k++) {
-        float inverse = 1.0f / sqrtf(my2 + w->slope[k] * w->slope[k]);
-        float x = w->slope[k] * inverse - to.x, y = my * inverse - to.y, z = inverse - to.z;
-        float d = lf_max((1.0f - a) * (1.0f - a) + a * (x * x + y * y + z * z), 1e-12f);
-        out[k] = numerator / (d * sqrtf(d));
-    }
+    const float sign = copysignf(1.0f, g),
+                to[3] = {sign * lf_dot(wi, rig->right), sign * lf_dot(wi, rig->up),
+                         sign * lf_dot(wi, rig->forward)};
+    visit->kernels->fans->phases(g, to, visit->plane.my, lf_rig_lanes(rig), visit->worker->slope,
+                                 out);
+}
+
+/* The cosines between w and the rays. */
+static void cosines(const lf_visit *visit, lf_vec3 w, float *out)
+{
+    const lf_rig *rig = visit->rig;
+    const float my = visit->plane.my;
+    const lf_fan_axis axis = {.across = lf_dot(w, rig->right),
+                              .along = my * lf_dot(w, rig->up) + lf_dot(w, rig->forward),
+                              .my2 = 1.0f + my * my};
+    visit->kernels->fans->cosines(&axis, lf_rig_lanes(rig), visit->worker->slope, out);
 }
 
 static void mix_second_lobe(lf_visit *visit, const lf_second_lobe *second, lf_vec3 wi)
 {
     lf_scratch *w = visit->worker;
-    const lf_rig *rig = visit->rig;
-    float other[LF_MAX_LANES], my = visit->plane.my, my2 = 1.0f + my * my,
-                               across = lf_dot(wi, rig->right),
-                               along = my * lf_dot(wi, rig->up) + lf_dot(wi, rig->forward);
+    float other[LF_MAX_LANES], cosine[LF_MAX_LANES];
     phases(visit, second->g, wi, other);
-    for (int k = 0; k < lf_rig_lanes(rig); k++) {
-        float cosine = (w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
+    cosines(visit, wi, cosine);
+    for (int k = 0; k < lf_rig_lanes(visit->rig); k++)
         w->lobe[k] =
-            lf_lerp(w->lobe[k], other[k] * lf_phase_draine(second->g, second->alpha, cosine),
+            lf_lerp(w->lobe[k], other[k] * lf_phase_draine(second->g, second->alpha, cosine[k]),
                     second->share);
-    }
 }
 
-/* The directions to the views in a surface's frame: linear in the slope except for their length. */
+/* The directions to the views in a surface's frame. */
 void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit)
 {
-    lf_scratch *w = visit->worker;
-    const lf_rig *rig = visit->rig;
-    lf_vec3 axis[3] = {hit->ns, hit->ns, hit->ns};
-    float my = visit->plane.my, my2 = 1.0f + my * my;
-    lf_tangents(hit->ns, &axis[0], &axis[1]);
-    for (int a = 0; a < 3; a++) {
-        float across = lf_dot(axis[a], rig->right),
-              along = my * lf_dot(axis[a], rig->up) + lf_dot(axis[a], rig->forward);
-        for (int k = 0; k < lf_rig_lanes(rig); k++)
-            w->local[a][k] =
-                -(w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
-    }
+    lf_vec3 t, b;
+    lf_tangents(hit->ns, &t, &b);
+    const lf_vec3 axis[3] = {t, b, hit->ns};
+    for (int a = 0; a < 3; a++)
+        cosines(visit, lf_scale(axis[a], -1.0f), visit->worker->local[a]);
 }
 
-/* One term per channel, because colours belong to one direction. */
-static void tint_channels(lf_fan_lobes *lobes, int n)
+/* wi in the frame of the shading normal. */
+static void eval_surface(const lf_visit *visit, const lf_material *material, lf_vec3 wi,
+                         lf_fan_lobes *out)
 {
-    for (int k = 0; k < n && lobes->n_terms > 0; k++) {
-        lf_vec3 f = lf_v3(0.0f, 0.0f, 0.0f);
-        for (int t = 0; t < lobes->n_terms; t++)
-            f = lf_madd(f, lobes->weight[t][k], lobes->colour[t]);
-        lobes->weight[0][k] = f.x;
-        lobes->weight[1][k] = f.y;
-        lobes->weight[2][k] = f.z;
-    }
-    lobes->n_terms = lobes->n_terms > 0 ? 3 : 0;
-    lobes->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
-    lobes->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
-    lobes->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
+    float(*local)[LF_MAX_LANES] = visit->worker->local;
+    visit->kernels->surfaces->of[material->kind->fan](material, wi, lf_rig_lanes(visit->rig),
+                                                      local[0], local[1], local[2], out);
 }
 
 /* Adds the mirrored lobe of a bent normal (lf_hit_bent_normal). */
 static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
 {
     const lf_material *material = lf_hit_material(hit);
-    const int lanes = lf_rig_lanes(visit->rig);
-    float pdf[LF_MAX_LANES], weight[LF_FAN_TERMS][LF_MAX_LANES];
-    lf_fan_lobes more = {.pdf = pdf, .weight = {weight[0], weight[1], weight[2]}};
+    float pdf[LF_MAX_LANES], f[3][LF_MAX_LANES];
+    lf_fan_lobes more = {.pdf = pdf, .f = {f[0], f[1], f[2]}};
     lf_vec3 t, b, back = lf_hit_mirrored(hit, wi);
     lf_tangents(hit->ns, &t, &b);
-    material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, back), lanes,
-                             visit->worker->local[0], visit->worker->local[1],
-                             visit->worker->local[2], &more);
-    tint_channels(out, lanes);
-    tint_channels(&more, lanes);
-    float own = lf_hit_wrong_side(hit, wi) ? 0.0f : 1.0f,
-          mirrored = lf_hit_wrong_side(hit, back) ? 1.0f : 0.0f;
-    for (int k = 0; k < lanes; k++) {
+    eval_surface(visit, material, lf_to_frame(t, b, hit->ns, back), &more);
+    const float own = lf_hit_wrong_side(hit, wi) ? 0.0f : 1.0f,
+                mirrored = lf_hit_wrong_side(hit, back) ? 1.0f : 0.0f;
+    for (int k = 0; k < lf_rig_lanes(visit->rig); k++) {
         out->pdf[k] = own * out->pdf[k] + mirrored * pdf[k];
-        for (int i = 0; i < out->n_terms; i++)
-            out->weight[i][k] = own * out->weight[i][k] + mirrored * weight[i][k];
+        for (int c = 0; c < 3; c++)
+            out->f[c][k] = own * out->f[c][k] + mirrored * f[c][k];
     }
 }
 
 float lf_fan_eval(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out)
 {
     lf_scratch *w = visit->worker;
-    float sum = 0.0f;
-    *out = (lf_fan_lobes){.pdf = w->lobe, .weight = {w->term[0], w->term[1], w->term[2]}};
+    *out = (lf_fan_lobes){
+        .pdf = w->lobe, .f = {w->f[0], w->f[1], w->f[2]}, .colour = {1.0f, 1.0f, 1.0f}};
     if (pivot->event.kind == LF_EVENT_MEDIUM) {
         const lf_volume *volume = &visit->scene->volumes[pivot->event.volume];
         phases(visit, volume->g, wi, w->lobe);
         if (volume->second.share > 0.0f)
             mix_second_lobe(visit, &volume->second, wi);
-        out->n_terms = 1;
-        out->weight[0] = w->lobe;
-        out->colour[0] = lf_volume_albedo(volume, pivot->event.p);
+        out->f[0] = out->f[1] = out->f[2] = w->lobe;
+        out->colour = lf_volume_albedo(volume, pivot->event.p);
     } else {
         const lf_hit *hit = &pivot->event.hit;
         lf_vec3 t, b;
         lf_tangents(hit->ns, &t, &b);
         const lf_material *material = lf_hit_material(hit);
-        material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, wi), lf_rig_lanes(visit->rig),
-                                 w->local[0], w->local[1], w->local[2], out);
+        eval_surface(visit, material, lf_to_frame(t, b, hit->ns, wi), out);
         if (lf_hit_bent_normal(hit))
             fold(visit, hit, wi, out);
     }
-    for (int k = 0; k < visit->rig->n_views; k++)
-        sum += w->strategy[k] * w->lobe[k];
-    return sum;
+    return visit->kernels->fans->pdf(lf_rig_lanes(visit->rig), w->strategy, w->lobe);
 }
 
-/* Adds density_k f_k times one radiance to every view. */
-static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
+static void begin_sent(int lanes, lf_sent *sent)
+{
+    for (int c = 0; c < 3; c++)
+        memset(sent->n[c], 0, (size_t)lanes * sizeof *sent->n[c]);
+    memset(sent->w2, 0, (size_t)lanes * sizeof *sent->w2);
+}
+
+/* Adds density_k f_k times one radiance of every view. */
+static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance, lf_sent *sent)
 {
     lf_scratch *w = visit->worker;
-    lf_vec3 tinted[LF_FAN_TERMS];
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {
         w->tracer.nonfinite++;
         return;
@@ -333,62 +314,63 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
     /* below 0 if a control variate was too large */
     if (radiance.x == 0.0f && radiance.y == 0.0f && radiance.z == 0.0f)
         return;
-    for (int t = 0; t < f->n_terms; t++)
-        tinted[t] = lf_mul(radiance, f->colour[t]);
-    visit->extinction->spread_lobes(visit, f, tinted);
-}
-
-/* W of every view. */
-static void add_weights(lf_visit *visit, float scale)
-{
-    lf_scratch *w = visit->worker;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        float weight = w->density[k] * scale;
-        if (weight == 0.0f)
-            continue;
-        lf_film_weigh(&visit->sums, lf_visit_pixel(visit, k), weight);
-        w->contributions++;
-    }
+    visit->kernels->fans->collect(lf_rig_lanes(visit->rig), w->channels.received, f,
+                                  lf_mul(radiance, f->colour), sent);
 }
 
 /* W' of every view: the weight of the direction, independent of the light along it; over = 0: no
  * direction. Views from below the shading horizon draw no directions and receive nothing; they get
  * their share of W. */
-static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
+static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum,
+                            lf_sent *sent)
+{
+    const lf_scratch *w = visit->worker;
+    const bool blinds =
+        pivot->event.kind == LF_EVENT_SURFACE && !lf_is_way_out(lf_hit_material(&pivot->event.hit));
+    const lf_fan_share share = {.lobe = over > 0.0f ? w->lobe : NULL,
+                                .z = blinds ? w->local[2] : NULL,
+                                .drawn = over > 0.0f ? pivot->forced_weight / over : 0.0f,
+                                .blind = pivot->forced_weight / sum};
+    visit->kernels->fans->collect_shares(lf_rig_lanes(visit->rig), w->density, &share, sent);
+}
+
+/* Adds to the film what all directions of a pivot send, and W of every view: scale times its
+ * density. */
+static void deliver(lf_visit *visit, const lf_sent *sent, float scale)
 {
     lf_scratch *w = visit->worker;
-    bool blinds =
-        pivot->event.kind == LF_EVENT_SURFACE && !lf_is_way_out(lf_hit_material(&pivot->event.hit));
-    float drawn = over > 0.0f ? pivot->forced_weight / over : 0.0f,
-          blind = pivot->forced_weight / sum;
     for (int k = 0; k < visit->rig->n_views; k++) {
+        const lf_film_scattered one = {{sent->n[0][k], sent->n[1][k], sent->n[2][k]},
+                                       w->density[k] * scale};
         if (w->density[k] == 0.0f)
             continue;
-        bool below = blinds && !(w->local[2][k] > LF_MIN_COS);
-        lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k),
-                                w->density[k] * (below ? blind : drawn * w->lobe[k]));
+        const size_t pixel = lf_visit_pixel(visit, k);
+        lf_film_add_times(&visit->sums, pixel, 1.0f, &one);
+        if (visit->sums.half.w2)
+            lf_film_weigh_direction(&visit->sums, pixel, sent->w2[k]);
+        w->contributions++;
     }
 }
 
 /* The light sample, in balance with n directions. */
 static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix, float sum,
-                         int n)
+                         int n, lf_sent *sent)
 {
     const lf_light_sample *light = &suffix->light;
     lf_fan_lobes f;
     float over = (float)n * lf_fan_eval(visit, pivot, light->wi, &f);
     bool alone = light->delta || lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF);
     float denominator = light->pdf * sum + (alone ? 0.0f : over);
-    add_lobes(
-        visit, &f,
-        lf_scale(light->radiance, pivot->forced_weight * suffix->light_visible / denominator));
+    add_lobes(visit, &f,
+              lf_scale(light->radiance, pivot->forced_weight * suffix->light_visible / denominator),
+              sent);
 }
 
 /* One of n directions, weighted against the light sample. */
 static void spread_direction(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum,
-                             int n)
+                             int n, lf_sent *sent)
 {
-    lf_fan_lobes f = {.n_terms = 0};
+    lf_fan_lobes f;
     bool below =
         pivot->event.kind == LF_EVENT_SURFACE && !(lf_dot(pivot->event.hit.ns, suffix->wi) > 0.0f);
     bool drawn = suffix->has_direction && !(below && lf_has_fault(visit, LF_FAULT_HORIZON));
@@ -400,10 +382,10 @@ static void spread_direction(lf_visit *visit, const lf_pivot *pivot, lf_suffix *
             over + (lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF) ? 0.0f : suffix->found_pdf * sum);
         lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->forced_weight / over),
                                    pivot->forced_weight / with_light, suffix->found);
-        add_lobes(visit, &f, radiance);
+        add_lobes(visit, &f, radiance, sent);
     }
     if (visit->sums.half.w2)
-        add_directional(visit, pivot, over, (float)n * sum);
+        add_directional(visit, pivot, over, (float)n * sum, sent);
 }
 
 /* The direction back to view k with probability c_k D_k / sum, u in [0, 1). */
@@ -434,34 +416,37 @@ int lf_fan_directions(const lf_visit *visit, const lf_pivot *pivot)
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
 {
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
+    lf_sent sent;
     int n = lf_fan_directions(visit, pivot);
+    begin_sent(lf_rig_lanes(visit->rig), &sent);
     for (const lf_suffix *next = suffix->next; next; next = next->next)
         n++;
     if (surface)
         lf_fan_look_back(visit, &pivot->event.hit);
-    add_weights(visit, pivot->forced_weight / sum);
     if (suffix->has_light)
-        spread_light(visit, pivot, suffix, sum, n);
-    spread_direction(visit, pivot, suffix, sum, n);
+        spread_light(visit, pivot, suffix, sum, n, &sent);
+    spread_direction(visit, pivot, suffix, sum, n, &sent);
     for (lf_suffix *next = suffix->next; next; next = next->next)
-        spread_direction(visit, pivot, next, sum, n);
+        spread_direction(visit, pivot, next, sum, n, &sent);
     for (int i = 1; i < n && !suffix->next; i++) {
         float u = ((float)(i - 1) + lf_rng(&visit->worker->tracer)) / (float)(n - 1);
         lf_suffix_turn(&visit->worker->tracer, &pivot->event, some_way_back(visit, pivot, u, sum),
                        pivot->sampler, suffix);
-        spread_direction(visit, pivot, suffix, sum, n);
+        spread_direction(visit, pivot, suffix, sum, n, &sent);
     }
+    deliver(visit, &sent, pivot->forced_weight / sum);
 }
 
 /* Thin glass has weight in W and in W' like any hit; its reflection is native. */
 static void spread_thin(lf_visit *visit, const lf_pivot *pivot, float sum)
 {
-    lf_scratch *w = visit->worker;
-    add_weights(visit, pivot->forced_weight / sum);
-    for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
-        if (w->density[k] > 0.0f)
-            lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k),
-                                    w->density[k] * pivot->forced_weight / sum);
+    const lf_scratch *w = visit->worker;
+    const float scale = pivot->forced_weight / sum;
+    lf_sent sent;
+    begin_sent(lf_rig_lanes(visit->rig), &sent);
+    for (int k = 0; k < visit->rig->n_views; k++)
+        sent.w2[k] = w->density[k] * scale;
+    deliver(visit, &sent, scale);
 }
 
 /* The densities of the pivot under all views; returns the sum of those that samples are drawn with.
@@ -540,7 +525,7 @@ static void equiangular_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
     float over = lf_fan_eval(visit, pivot, light->wi, &f),
           ratio = lf_equiangular_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
     float denominator = light->pdf * (1.0f + ratio) * sum + (light->delta ? 0.0f : over);
-    lf_vec3 radiance = lf_scale(lf_mul(arriving.radiance, f.colour[0]), visible / denominator);
+    lf_vec3 radiance = lf_scale(lf_mul(arriving.radiance, f.colour), visible / denominator);
     const float *const *d = visit->worker->channels.received;
     for (int k = 0; k < visit->rig->n_views; k++) {
         if (visit->worker->density[k] == 0.0f)
@@ -569,7 +554,7 @@ static float over_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     }
     return lf_fan_unit(visit, pivot) * sum * (float)lf_fan_directions(visit, pivot) *
            lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi,
-                           &f.colour[0]);
+                           &f.colour);
 }
 
 const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",

@@ -159,7 +159,7 @@ typedef struct lf_scratch {
     int column[LF_MAX_LANES];
     /* directions to the views in the frame of a surface's shading normal (z) */
     float local[3][LF_MAX_LANES];
-    float term[LF_FAN_TERMS][LF_MAX_LANES]; /* terms of a surface's lobes: lf_fan_lobes.weight */
+    float f[3][LF_MAX_LANES]; /* of a surface's lobes: lf_fan_lobes.f */
     /* [view][column]: the visit's row of the map of counts */
     float *expected;
     /* [view][column]: B and q met a delta lobe here or in a neighbour; NULL without M */

@@ -101,6 +101,97 @@ static void without_media_densities_are_those_of_no_depth(void **state)
     }
 }
 
+/* ------------------------------------------------------------------------------------- lobes -- */
+
+static void fill(uint64_t *seed, int n, float from, float to, float *out)
+{
+    for (int k = 0; k < n; k++)
+        out[k] = from + (to - from) * lf_test_uniform(seed);
+}
+
+static lf_vec3 some_direction(uint64_t *seed)
+{
+    float w[3];
+    fill(seed, 3, -1.0f, 1.0f, w);
+    return lf_normalize(lf_v3(w[0], w[1], w[2] + 2.0f));
+}
+
+static void cosines_and_phases_are_those_of_each_ray(void **state)
+{
+    (void)state;
+    uint64_t seed = 7;
+    for (int trial = 0; trial < 300; trial++) {
+        float slope[LANES], own[LANES], g = 1.98f * lf_test_uniform(&seed) - 0.99f,
+                                        my = lf_test_uniform(&seed) - 0.5f;
+        const int n = LF_LANES * (1 + trial % (LANES / LF_LANES));
+        fill(&seed, n, -1.0f, 1.0f, slope);
+        const lf_vec3 w = some_direction(&seed);
+        const lf_fan_axis axis = {w.x, my * w.y + w.z, 1.0f + my * my};
+        const float sign = copysignf(1.0f, g), to[3] = {sign * w.x, sign * w.y, sign * w.z};
+        for (int i = 0; lf_kernels_at(i); i++) {
+            float first[LANES];
+            lf_kernels_at(i)->fans->cosines(&axis, n, slope, own);
+            for (int k = 0; k < n; k++) {
+                const lf_vec3 ray = lf_normalize(lf_v3(slope[k], my, 1.0f));
+                lf_assert_close((double)own[k], (double)lf_dot(ray, w), 0.0, 1e-6);
+            }
+            lf_kernels_at(i)->fans->phases(g, to, my, n, slope, own);
+            for (int k = 0; k < n; k++) {
+                const lf_vec3 ray = lf_normalize(lf_v3(slope[k], my, 1.0f));
+                lf_assert_close((double)own[k], (double)lf_phase_between(g, ray, w), 1e-4, 0.0);
+            }
+            lf_kernels_c.fans->phases(g, to, my, n, slope, first);
+            assert_memory_equal(own, first, sizeof *own * (size_t)n);
+        }
+    }
+}
+
+/* Media whose channels differ or not; media, whose channels share a lobe, or surfaces. */
+static void what_a_pivot_sends_is_the_sum_over_its_directions(void **state)
+{
+    (void)state;
+    uint64_t seed = 8;
+    for (int trial = 0; trial < 300; trial++) {
+        float density[3][LANES], lobe[3][LANES], pdf_of[LANES], z[LANES], before[LANES];
+        const int n = LF_LANES * (1 + trial % (LANES / LF_LANES));
+        const float *const received[3] = {density[0], density[trial % 2], density[trial % 2 * 2]};
+        const lf_fan_lobes f = {.f = {lobe[0], lobe[trial % 3], lobe[trial % 3]}};
+        for (int c = 0; c < 3; c++) {
+            fill(&seed, n, 0.0f, 2.0f, density[c]);
+            fill(&seed, n, 0.0f, 3.0f, lobe[c]);
+        }
+        fill(&seed, n, 0.0f, 1.0f, pdf_of);
+        fill(&seed, n, 0.0f, 1.0f, before);
+        fill(&seed, n, -1.0f, 1.0f, z);
+        const float channel[3] = {lf_test_uniform(&seed), lf_test_uniform(&seed), -0.5f};
+        const lf_vec3 radiance = lf_v3(channel[0], channel[1], channel[2]);
+        const lf_fan_share share = {trial % 3 ? pdf_of : NULL, trial % 5 ? z : NULL, 0.7f, 0.3f};
+        for (int i = 0; lf_kernels_at(i); i++) {
+            const lf_fans *fans = lf_kernels_at(i)->fans;
+            lf_sent sent;
+            memset(&sent, 0, sizeof sent);
+            memcpy(sent.n[1], before, sizeof *before * (size_t)n);
+            memcpy(sent.w2, before, sizeof *before * (size_t)n);
+            fans->collect(n, received, &f, radiance, &sent);
+            fans->collect_shares(n, density[0], &share, &sent);
+            float sum[LF_LANES] = {0}, total = 0.0f;
+            for (int k = 0; k < n; k++) {
+                float own = share.lobe ? share.drawn * pdf_of[k] : 0.0f;
+                for (int c = 0; c < 3; c++) {
+                    const float y = received[c][k] * f.f[c][k] * channel[c];
+                    assert_true(sent.n[c][k] == (c == 1 ? before[k] + y : y));
+                }
+                own = share.z && z[k] <= 0.0f ? share.blind : own;
+                assert_true(sent.w2[k] == before[k] + density[0][k] * own);
+                sum[k % LF_LANES] += density[0][k] * pdf_of[k];
+            }
+            for (int l = 0; l < LF_LANES; l++)
+                total += sum[l];
+            assert_true(fans->pdf(n, density[0], pdf_of) == total);
+        }
+    }
+}
+
 /* ---------------------------------------------------------------------------------- segments -- */
 
 typedef struct bench {
@@ -295,6 +386,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(views_are_projected_by_their_formula),
         cmocka_unit_test(without_media_densities_are_those_of_no_depth),
+        cmocka_unit_test(cosines_and_phases_are_those_of_each_ray),
+        cmocka_unit_test(what_a_pivot_sends_is_the_sum_over_its_directions),
         cmocka_unit_test(sections_answer_what_every_segment_says),
     };
     return cmocka_run_group_tests_name("fans", tests, NULL, lf_test_finish);

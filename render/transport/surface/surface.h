@@ -67,13 +67,20 @@ typedef struct lf_delta {
  * denormals are flushed. */
 #define LF_MIN_COS 1e-7f
 
-/* eval for a fan of directions: f is the sum of colour[t] weight[t][k] over the terms. */
-#define LF_FAN_TERMS 3
+/* Kinds that have a loop of their own in surface_fan.h. */
+typedef enum lf_fan_kind {
+    LF_FAN_NONE, /* nothing depends on the view */
+    LF_FAN_CONDUCTOR,
+    LF_FAN_PLASTIC,
+    LF_FAN_PRINCIPLED,
+    LF_FAN_KINDS
+} lf_fan_kind;
+
+/* eval for a fan of directions: f of a channel is colour times f[channel][k]. */
 typedef struct lf_fan_lobes {
-    float *pdf;                   /* [n] */
-    float *weight[LF_FAN_TERMS];  /* [n] each; all are allocated */
-    lf_vec3 colour[LF_FAN_TERMS]; /* of the first n_terms */
-    int n_terms;
+    float *pdf;  /* [n] */
+    float *f[3]; /* [n] each; may be the same array, if only `colour` differs */
+    lf_vec3 colour;
 } lf_fan_lobes;
 
 typedef struct lf_surface_kind {
@@ -96,11 +103,8 @@ typedef struct lf_surface_kind {
      * microfacets, so that it integrates to 1 over the sphere for every wo that sample can handle.
      */
     float (*eval)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f);
-    /* eval towards one wi for n directions wo = (x[k], y[k], z[k]) at once, all in the frame whose
-     * z axis is ns; n is a multiple of 8. No branches per direction. NULL if nothing depends on the
-     * view. */
-    void (*eval_fan)(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
-                     const float *z, lf_fan_lobes *out);
+    /* Which loop of surface_fan.h evaluates it for many directions wo at once. */
+    lf_fan_kind fan;
     /* Draws wi from u[3] in [0,1); *f and return value as eval at that wi. 0 = no direction, only
      * if wo is below ns or there is no lobe. */
     float (*sample)(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi,

@@ -5,13 +5,6 @@
 #include "render/transport/surface/metal.h"
 #include "render/transport/surface/surface_lobes.h"
 
-/* 1 / E(cos_o) - 1: multiply scattered over singly scattered light, without absorption. */
-static inline float several(const lf_material *m, float cos_o)
-{
-    float loss = lf_loss(m, 0.0f, cos_o);
-    return loss / (1.0f - loss);
-}
-
 static float eval_local(const lf_material *m, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float alpha = lf_material_alpha(m);
@@ -21,7 +14,7 @@ static float eval_local(const lf_material *m, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f
     lf_ggx_lobe lobe = lf_ggx_eval(alpha, wo, wi);
     if (lobe.f > 0.0f) {
         lf_vec3 once = lf_scale(lf_conductor_fresnel(m, lobe.cos_oh), lobe.f);
-        *f = lf_madd(once, several(m, wo.z), lf_mul(once, m->rest));
+        *f = lf_madd(once, lf_conductor_several(m, wo.z), lf_mul(once, m->rest));
     }
     return lobe.pdf;
 }
@@ -31,56 +24,6 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     lf_vec3 t, b;
     lf_tangents(ns, &t, &b);
     return eval_local(m, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
-}
-
-/* The lobes without Fresnel: of single scattering, and wo.h. */
-static void fan_once(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
-                     const float *z, float *restrict pdf, float *restrict once,
-                     float *restrict cos_oh)
-{
-    float alpha = lf_material_alpha(m);
-    for (int i = 0; i < n; i++) {
-        lf_ggx_lobe lobe = lf_ggx_eval(alpha, lf_v3(x[i], y[i], lf_max(z[i], LF_MIN_COS)), wi);
-        bool above = z[i] > LF_MIN_COS;
-        pdf[i] = above ? lobe.pdf : 0.0f;
-        once[i] = above ? lobe.f : 0.0f;
-        cos_oh[i] = lobe.cos_oh;
-    }
-}
-
-/* Adds the multiple-scattering compensation. */
-static void fan_several(const lf_material *m, int n, const float *z, float *restrict more)
-{
-    const lf_material own = *m;
-    for (int i = 0; i < n; i++)
-        more[i] = several(&own, lf_max(z[i], LF_MIN_COS));
-}
-
-/* One term per channel. */
-static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
-                     const float *z, lf_fan_lobes *out)
-{
-    float *restrict once = out->weight[0], *restrict cos_oh = out->weight[1],
-                    *restrict more = out->weight[2];
-    const lf_material own = *m;
-    if (lf_material_alpha(m) < LF_ALPHA_MIN) {
-        out->n_terms = 0;
-        memset(out->pdf, 0, (size_t)n * sizeof *out->pdf);
-        return;
-    }
-    fan_once(m, wi, n, x, y, z, out->pdf, once, cos_oh);
-    fan_several(m, n, z, more);
-    for (int i = 0; i < n; i++) {
-        lf_vec3 f = lf_conductor_fresnel(&own, cos_oh[i]);
-        float g = once[i], s = more[i];
-        once[i] = g * f.x + s * (g * f.x * own.rest.x);
-        cos_oh[i] = g * f.y + s * (g * f.y * own.rest.y);
-        more[i] = g * f.z + s * (g * f.z * own.rest.z);
-    }
-    out->n_terms = 3;
-    out->colour[0] = lf_v3(1.0f, 0.0f, 0.0f);
-    out->colour[1] = lf_v3(0.0f, 1.0f, 0.0f);
-    out->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
 }
 
 static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[3], lf_vec3 *wi,
@@ -188,7 +131,7 @@ const lf_surface_kind lf_surface_conductor = {
     .read = read,
     .prepare = prepare,
     .eval = eval,
-    .eval_fan = eval_fan,
+    .fan = LF_FAN_CONDUCTOR,
     .sample = sample,
     .deltas = deltas,
     .view_dependent = true,

@@ -1,4 +1,4 @@
-/* Code shared by surface kinds; private to render/transport/surface_*.c and catcher.c. Directions
+/* Code shared by surface kinds; private to render/transport/surface/ and catcher.c. Directions
  * here are in the frame of the shading normal (z). */
 #ifndef LF_RENDER_SURFACE_LOBES_H
 #define LF_RENDER_SURFACE_LOBES_H
@@ -155,6 +155,13 @@ static inline float lf_loss_by(const float *c, float a, float smooth, float cos_
 static inline float lf_loss(const lf_material *m, float smooth, float cos_theta)
 {
     return lf_loss_by(m->loss, LF_LOSS_SCALE * lf_material_alpha(m), smooth, cos_theta);
+}
+
+/* 1 / E(cos_o) - 1: multiply scattered over singly scattered light, without absorption. */
+static inline float lf_conductor_several(const lf_material *m, float cos_o)
+{
+    float loss = lf_loss(m, 0.0f, cos_o);
+    return loss / (1.0f - loss);
 }
 
 /* Cosine and weight of the i-th of LF_MEAN_STEPS points of 2 int_0^1 g(c) c dc. */
