@@ -89,13 +89,11 @@ static void sample_pivots(void *context, int item, int worker)
 /* The image in tiles. */
 static void find_importance(const pivot_sample *pivots, lf_light_plan *plan)
 {
-    double sum[LF_PILOT_PARTS] = {0.0}, n[LF_PILOT_PARTS] = {0.0};
-    for (int i = 0; i < PIVOTS; i++) {
-        sum[pivots[i].tile] += (double)pivots[i].mean;
-        n[pivots[i].tile] += 1.0;
-    }
+    lf_pilot_light light = {0};
+    for (int i = 0; i < PIVOTS; i++)
+        lf_pilot_light_add(&light, pivots[i].tile, pivots[i].mean);
     for (int i = 0; i < LF_PILOT_PARTS; i++)
-        plan->importance[i] = (float)(1.0 / (0.1 + (n[i] > 0.0 ? sum[i] / n[i] : 0.0)));
+        plan->importance[i] = (float)(1.0 / (0.1 + lf_pilot_brightness(&light, i)));
 }
 
 /* ------------------------------------------------------------------------------- light paths -- */

@@ -18,6 +18,21 @@ static inline int lf_pilot_part(const lf_rig *rig, int row, int column)
            column * LF_PILOT_PART_COLUMNS / rig->width;
 }
 
+/* The sum of their light, and the number of samples; zeroed at first. */
+typedef struct lf_pilot_light {
+    double sum[LF_PILOT_PARTS], n[LF_PILOT_PARTS];
+} lf_pilot_light;
+static inline void lf_pilot_light_add(lf_pilot_light *light, int part, float mean)
+{
+    light->sum[part] += (double)mean;
+    light->n[part] += 1.0;
+}
+/* 0 in a part without samples. */
+static inline double lf_pilot_brightness(const lf_pilot_light *light, int part)
+{
+    return light->n[part] > 0.0 ? light->sum[part] / light->n[part] : 0.0;
+}
+
 /* The variance that two samples suggest, mean of the channels. */
 static inline float lf_pilot_variance(lf_vec3 a, lf_vec3 b)
 {

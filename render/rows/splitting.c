@@ -203,14 +203,12 @@ static void add(tally *sum, const pixel_sample *pixel, double weight)
 
 static void sum_up(const piloting *p, tally out[GROUPS + 1])
 {
-    double sum[LF_PILOT_PARTS] = {0.0}, n[LF_PILOT_PARTS] = {0.0};
+    lf_pilot_light light = {0};
+    for (int i = 0; i < PIXELS; i++)
+        lf_pilot_light_add(&light, p->pixels[i].tile, p->pixels[i].mean);
     for (int i = 0; i < PIXELS; i++) {
-        sum[p->pixels[i].tile] += (double)p->pixels[i].mean;
-        n[p->pixels[i].tile] += 1.0;
-    }
-    for (int i = 0; i < PIXELS; i++) {
-        const int tile = p->pixels[i].tile;
-        const double mean = sum[tile] / n[tile], weight = 1.0 / (mean * mean + 0.01);
+        const double mean = lf_pilot_brightness(&light, p->pixels[i].tile),
+                     weight = 1.0 / (mean * mean + 0.01);
         add(&out[i % GROUPS], &p->pixels[i], weight);
         add(&out[GROUPS], &p->pixels[i], weight);
     }
