@@ -6,7 +6,7 @@
 #include "render/rows/light_connect.h"
 
 /* Samples of the first part, and light paths of each part, in chunks. */
-enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
+enum { PIVOTS = LF_PILOT_ACROSS * LF_PILOT_DOWN, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
 /* Light paths of a later round: a share of the view pixels, within limits. */
 #define LEARNING_SHARE 0.15
 /* Chunks of the first round, in which all vertices survive, and of later ones. */
@@ -42,10 +42,10 @@ static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pi
                        lf_event *event)
 {
     const lf_rig *rig = pilot->rig;
-    enum { ACROSS = 32, DOWN = PIVOTS / ACROSS };
-    const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS;
-    const float u = ((float)x + lf_rng(tracer)) / ACROSS * (float)rig->width,
-                v = ((float)y + lf_rng(tracer)) / DOWN * (float)rig->height;
+    const int x = i % LF_PILOT_ACROSS, y = i / LF_PILOT_ACROSS,
+              view = lf_pilot_view(rig->n_views, x, y);
+    const float u = ((float)x + lf_rng(tracer)) / LF_PILOT_ACROSS * (float)rig->width,
+                v = ((float)y + lf_rng(tracer)) / LF_PILOT_DOWN * (float)rig->height;
     out->tile = lf_pilot_part(rig, (int)lf_min(v, (float)(rig->height - 1)),
                               (int)lf_min(u, (float)(rig->width - 1)));
     return lf_pilot_pivot(tracer, rig, view, (const float[]){u, v}, event, &out->mean);

@@ -1,5 +1,30 @@
 #include "render/rows/pilot_path.h"
 
+static int common_divisor(int a, int b)
+{
+    while (b != 0) {
+        const int rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* Near this share of n, and prime to it: n multiples are n views. */
+static int stride(int n, double share)
+{
+    int step = (int)(share * n);
+    while (common_divisor(n, step) > 1)
+        step++;
+    return step;
+}
+
+/* A lattice of the two golden numbers of the plane. */
+int lf_pilot_view(int n_views, int column, int row)
+{
+    return (column * stride(n_views, 0.7548777) + row * stride(n_views, 0.5698403)) % n_views;
+}
+
 bool lf_pilot_pivot(lf_tracer *tracer, const lf_rig *rig, int view, const float film[2],
                     lf_event *out, float *out_light)
 {

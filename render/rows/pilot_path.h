@@ -33,6 +33,12 @@ static inline double lf_pilot_brightness(const lf_pilot_light *light, int part)
     return light->n[part] > 0.0 ? light->sum[part] / light->n[part] : 0.0;
 }
 
+/* The grid of a pilot's samples over the image. Each has one view. */
+enum { LF_PILOT_ACROSS = 32, LF_PILOT_DOWN = 32 };
+/* The view of a sample. Along each column and each row, all views come equally often; if they are
+ * more than the samples there, none comes twice. */
+int lf_pilot_view(int n_views, int column, int row);
+
 /* The variance that two samples suggest, mean of the channels. */
 static inline float lf_pilot_variance(lf_vec3 a, lf_vec3 b)
 {

@@ -6,7 +6,7 @@
 #include "render/rows/pilot_path.h"
 
 /* Pixels of the pilot, over all views, in chunks. */
-enum { ACROSS = 32, DOWN = 32, PIXELS = ACROSS * DOWN, CHUNK = 128 };
+enum { PIXELS = LF_PILOT_ACROSS * LF_PILOT_DOWN, CHUNK = 128 };
 /* A pair of pivots in each pixel, a pair of suffixes at each pivot. */
 enum { PAIR = 2 };
 /* Thresholds of the roulette: LF_ROULETTE, or 1. */
@@ -144,9 +144,10 @@ static void compare(const split_pivot pair[PAIR], pixel_sample *out)
 static void sample_pixel(const piloting *p, int i, lf_tracer *tracer)
 {
     const lf_rig *rig = p->rig;
-    const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS,
-              column = (int)(((float)x + 0.5f) / ACROSS * (float)rig->width),
-              row = (int)(((float)y + 0.5f) / DOWN * (float)rig->height);
+    const int x = i % LF_PILOT_ACROSS, y = i / LF_PILOT_ACROSS,
+              view = lf_pilot_view(rig->n_views, x, y),
+              column = (int)(((float)x + 0.5f) / LF_PILOT_ACROSS * (float)rig->width),
+              row = (int)(((float)y + 0.5f) / LF_PILOT_DOWN * (float)rig->height);
     pixel_sample *out = &p->pixels[i];
     split_pivot pair[PAIR] = {0};
     out->tile = lf_pilot_part(rig, row, column);
