@@ -96,6 +96,18 @@ static void write_spark_sky(void)
     write_hdr("spark.hdr", across, down, texels[0]);
 }
 
+/* Bright texels around a pole, much wider than high: their middles are nearer to the far edge. */
+static void write_pole_sky(void)
+{
+    enum { across = 256, down = 16 };
+    static unsigned char texels[across * down][4];
+    for (int i = 0; i < across * down; i++) {
+        const unsigned char texel[4] = {200, 200, 200, i >= 9 && i < 17 ? 132 : 124};
+        memcpy(texels[i], texel, 4);
+    }
+    write_hdr("pole.hdr", across, down, texels[0]);
+}
+
 static int write_files(void **state)
 {
     uint8_t glow[64] = {0};
@@ -106,6 +118,7 @@ static int write_files(void **state)
     write_sky();
     write_coarse_sky();
     write_spark_sky();
+    write_pole_sky();
     lf_picture_png(lf_test_path(folder, "glow.png"), 4, 4, 8, PNG_COLOR_TYPE_RGBA, false, NULL,
                    glow, 16);
     return 0;
@@ -434,6 +447,25 @@ static void a_spark_hides_no_bright_part(void **state)
     lf_scene_unref(scene);
 }
 
+static void lobes_reach_to_the_pole(void **state)
+{
+    (void)state;
+    lf_sky_lobe lobe[LF_SKY_LOBES];
+    int n;
+    lf_scene *scene = under_sky("pole.hdr");
+    assert_int_equal(lf_sky_lobes_find(sky_light(scene), lobe, &n), LF_OK);
+    assert_int_equal(n, 1);
+    assert_in_range(lobe[0].n, 6, 8);
+    for (int i = 0; i < 16 * 16; i++) {
+        float pdf;
+        const float u[3] = {(float)(i % 16) / 15.0f, 0.5f, ((float)(i / 16) + 0.5f) / 16.0f};
+        const lf_vec3 wi = lf_sky_lobe_draw(&lobe[0], sky_light(scene), u, &pdf);
+        assert_true(lf_sky_lobe_near(&lobe[0], wi));
+    }
+    lf_sky_lobe_finish(&lobe[0]);
+    lf_scene_unref(scene);
+}
+
 static void lamp_pictures(int emission, double alpha, const char *integrator, int paths,
                           uint64_t salt, lf_blocks *out)
 {
@@ -516,6 +548,7 @@ int main(void)
         cmocka_unit_test(skies_have_bright_parts),
         cmocka_unit_test(coarse_skies_have_none),
         cmocka_unit_test(a_spark_hides_no_bright_part),
+        cmocka_unit_test(lobes_reach_to_the_pole),
         cmocka_unit_test(lamps_of_alpha_send_their_share),
         cmocka_unit_test(the_pilot_takes_them_where_they_help),
     };
