@@ -317,6 +317,18 @@ static void rows_may_differ_in_their_visits(void **state)
     drop(uneven, pools[1]);
 }
 
+static void assert_no_mark_divides(const lf_renderer *r, int pass)
+{
+    for (int row = 0; row < height; row++)
+        for (int h = 0; h < 2; h++) {
+            const lf_film_half half = lf_film_at(&r->film, row, h);
+            for (int i = 0; i < n_views * width; i++)
+                if (half.scattered[i].n[0] > 1e6f * half.scattered[i].w && half.scattered[i].w > 0)
+                    fail_msg("pass %d: row %d, half %d, pixel %d: %g, weight %g", pass, row, h, i,
+                             (double)half.scattered[i].n[0], (double)half.scattered[i].w);
+        }
+}
+
 /* A pixel in which no path was found counts as dark, with a weight that is a mark. Light of light
  * paths must not be divided by it. */
 static void light_is_not_divided_by_marks(void **state)
@@ -334,6 +346,7 @@ static void light_is_not_divided_by_marks(void **state)
             lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
         lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
         lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
+        assert_no_mark_divides(r, i);
         double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
         for (int k = 0; k < n_views * width * height; k++)
             if (!(picture[k] < 1e6))
