@@ -52,10 +52,11 @@ static inline float lf_pilot_variance(lf_vec3 a, lf_vec3 b)
 bool lf_pilot_pivot(lf_tracer *tracer, const lf_rig *rig, int view, const float film[2],
                     lf_event *out, float *out_light);
 
-/* Draws a suffix into a zeroed one, and follows it. balance: its cosine is not read; NULL:
- * alone. */
-void lf_pilot_suffix(lf_tracer *tracer, const lf_event *pivot, lf_sampler *sampler, int max_depth,
-                     const lf_light_balance *balance, lf_suffix *out);
+/* Draws a suffix into a zeroed one; its direction is pending. */
+void lf_pilot_suffix(lf_tracer *tracer, const lf_event *pivot, lf_sampler *sampler, lf_suffix *out);
+/* Follows its direction. balance: its cosine is not read; NULL: alone. */
+void lf_pilot_follow(lf_tracer *tracer, const lf_event *pivot, int max_depth,
+                     const lf_light_balance *balance, lf_suffix *suffix);
 /* Its radiance towards the camera; 0 if it is not finite. */
 lf_vec3 lf_pilot_radiance(const lf_scene *scene, const lf_event *pivot, const lf_suffix *suffix);
 

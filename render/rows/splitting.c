@@ -89,7 +89,8 @@ static void sample_suffixes(const piloting *p, uint64_t key, lf_tracer *tracer, 
         tracer->roulette = roulette == EARLY ? 1.0f - LF_ROULETTE : 0.0f;
         lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, tracer->rng, 0);
         const int64_t rays = tracer->rays;
-        lf_pilot_suffix(tracer, &out->event, &sampler, p->max_depth, NULL, &suffix);
+        lf_pilot_suffix(tracer, &out->event, &sampler, &suffix);
+        lf_pilot_follow(tracer, &out->event, p->max_depth, NULL, &suffix);
         out->sum[roulette][k] = lf_pilot_radiance(p->scene, &out->event, &suffix);
         const float of_light = suffix.has_light ? 1.0f : 0.0f;
         out->rays[roulette] += (float)(tracer->rays - rays) - of_light;
