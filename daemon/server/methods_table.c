@@ -30,8 +30,8 @@
 
 #define ARRAYS                                                                                     \
     KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",                             \
-        "arrays of the scene by name, each {shape, type}; their descriptors follow those of "      \
-        "files")
+        "arrays of the scene by name, each {shape, type}; their descriptors come after the "       \
+        "descriptors of files")
 
 #define EXPORT_KEYS                                                                                \
     KEY("kind", STRING, "kind of output, see Export kinds") ","                                    \
@@ -46,7 +46,7 @@
         "write the denoised image; auto: as on the panel, but EXR files unfiltered") ","           \
     FORMER("reconstruct", ENUM("\"auto\",\"off\",\"on\""), "denoise") ","                          \
     KEY("farm", ENUM("\"slurm\",\"parallel\",\"list\""),                                          \
-        "farm that renders the scene anew, see Farms; quiltd needs --farm") ","                    \
+        "farm that renders the scene again, see Farms; quiltd needs --farm") ","                   \
     KEY("job", STRING,                                                                             \
         "farm: new folder below --export-dir, for scene, tasks and states of the job") ","         \
     KEY("spp", INTEGER("samples per pixel") RANGE("1", "1000000000"),                              \
@@ -211,7 +211,7 @@ static const lf_method methods[] = {
      "library.thumbnail small.jpg file=/srv/scenes/photo.png",
      OBJECT_WITH("\"file\"", KEY("file", STRING, "image or quilt; of a quilt the middle view") ","
                  KEY("width", INTEGER("pixels") RANGE("16", "512") DEFAULT("160"),
-                     "width of the JPEG, at most that of the image; the height follows")),
+                     "width of the JPEG, at most the width of the image; the height follows")),
      lf_server_thumbnail},
     {"export", "write a quilt, views, panel image, print, pitch test chart or state",
      "export kind=quilt file=cloud.png wait=converged",

@@ -294,13 +294,19 @@ static inline void lf_film_settle(const lf_film_half half[2], int h, size_t pixe
     half[h].scattered[pixel] = (lf_film_scattered){.w = LF_FILM_SETTLED};
     half[!h].scattered[pixel] = (lf_film_scattered){.w = 0.0f};
 }
-/* Whether all weight of a pixel is a mark, in halves with these counts. */
-static inline bool lf_film_is_settled(const lf_film_half half[2], const double n[2], size_t pixel)
+/* Whether light without a weight may go to half h, in halves with these counts: not if all weight
+ * of the pixel is a mark. Once the other half has a weight, the mark of this one is removed,
+ * because it would be the divisor of its light. */
+static inline bool lf_film_takes_light(const lf_film_half half[2], const double n[2], int h,
+                                       size_t pixel)
 {
-    float w = 0.0f;
-    for (int h = 0; h < 2; h++)
-        w += n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f;
-    return w == LF_FILM_SETTLED;
+    const float own = n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f,
+                other = n[!h] > 0.0 ? half[!h].scattered[pixel].w : 0.0f;
+    if (own + other == LF_FILM_SETTLED)
+        return false;
+    if (own == LF_FILM_SETTLED)
+        half[h].scattered[pixel].w = 0.0f;
+    return true;
 }
 
 /* Records whether a visit's plane contains a medium or mesh. false: no plane of this row ever did,

@@ -86,7 +86,7 @@ static void add_half(lf_half_sum *to, const lf_film_half *from, size_t i, double
     const lf_film_scattered *b = &from->scattered[i];
     for (int c = 0; c < 3; c++)
         to->n[c] += (double)b->n[c];
-    to->w += (double)b->w;
+    to->w += b->w == LF_FILM_SETTLED ? LF_SUM_MARK : (double)b->w;
     if (from->w2)
         to->w2 += (double)from->w2[i];
     if (share > 0.0)
@@ -217,6 +217,13 @@ static void put_known(const lf_known_sum *from, bool both, lf_film_known *to, ui
     to->difference = lf_difference_pack(difference, (float)(random >> 8) * 0x1p-24f);
 }
 
+/* Whether all weight of a pixel is marks. */
+static bool is_settled(const lf_film_sum *sum, size_t i)
+{
+    const double w = sum->half[0][i].w + sum->half[1][i].w;
+    return w > 0.0 && w < LF_SUM_MARK * (2.0 * LF_FILM_MAX_STREAMS);
+}
+
 bool lf_film_sum_put(const lf_film_sum *sum, uint64_t key, const lf_film *film, int row)
 {
     const bool both = sum->n_known[0] > 0.0 && sum->n_known[1] > 0.0;
@@ -232,6 +239,8 @@ bool lf_film_sum_put(const lf_film_sum *sum, uint64_t key, const lf_film *film, 
             if (half[h].feature)
                 half[h].feature[i] = pack_feature(&sum->feature[h][i], random);
         }
+        if (is_settled(sum, i))
+            lf_film_settle(half, sum->half[0][i].w > 0.0 ? 0 : 1, i);
         if (albedo)
             albedo[i] = pack_albedo(&sum->albedo[i], random);
         if (known)

@@ -1,15 +1,20 @@
 /* The sum of one row over many films, in double precision, rounded once; private to render/film/.
  *
  * N, W and W' are sums; q, B, features and albedo are means, weighted by the counts of the visits
- * that computed them (and q); half by half. The additions are made in the order of the calls.
+ * that computed them (and q); half by half. Marks of holes (lf_film_settle) do not add up: a pixel
+ * has one if no film has a weight for it. The additions are made in the order of the calls.
  * Constants and sums that are floats stay exact. Thread: one at a time. */
 #ifndef LF_RENDER_FILM_SUM_H
 #define LF_RENDER_FILM_SUM_H
 
 #include "render/film/film.h"
 
+/* Vanishes next to any weight. */
+#define LF_SUM_MARK 1e-300
+
 typedef struct lf_half_sum {
-    double n[3], w, w2, q; /* q: the mean so far */
+    /* w: LF_SUM_MARK for each mark; q: the mean so far */
+    double n[3], w, w2, q;
 } lf_half_sum;
 
 /* Means so far; variance: the square of lf_feature.spread. */

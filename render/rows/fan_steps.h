@@ -12,6 +12,9 @@ void lf_fan_project(const lf_visit *visit, const lf_pivot *pivot, int base);
 /* The lobes of all views towards wi: their pdfs and f_k; returns sum_k worker->strategy_k pdf_k. */
 float lf_fan_eval(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lobes *out);
 
+/* Directions drawn at a pivot on a glossy surface: a lobe narrower than the view cone serves few
+ * views. */
+#define LF_GLOSSY_DIRECTIONS 4
 /* Directions that a pivot draws. */
 int lf_fan_directions(const lf_visit *visit, const lf_pivot *pivot);
 

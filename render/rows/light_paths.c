@@ -242,7 +242,7 @@ static void add_splat(lf_visit *visit, const lf_film_half so_far[2], const lf_li
         lf_visit_add_native(visit, splat->pixel, lf_v3(c[0], c[1], c[2]));
     else if (!isfinite(c[0] + c[1] + c[2]))
         visit->worker->tracer.nonfinite++;
-    else if (!lf_film_is_settled(so_far, n, splat->pixel))
+    else if (lf_film_takes_light(so_far, n, visit->half, splat->pixel))
         lf_film_scatter(&visit->sums, splat->pixel, c[0], c[1], c[2]);
 }
 

@@ -3,10 +3,11 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/rows/fan_steps.h"
 #include "render/rows/light_connect.h"
 
 /* Samples of the first part, and light paths of each part, in chunks. */
-enum { PIVOTS = 1024, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
+enum { PIVOTS = LF_PILOT_ACROSS * LF_PILOT_DOWN, ASKING_PATHS = 2048, ROUNDS = 3, CHUNK = 256 };
 /* Light paths of a later round: a share of the view pixels, within limits. */
 #define LEARNING_SHARE 0.15
 /* Chunks of the first round, in which all vertices survive, and of later ones. */
@@ -14,18 +15,22 @@ enum { FIRST_LEARNING = 16, LEAST_LEARNING = 32, MOST_LEARNING = 512 };
 
 /* The share of the variance from which light paths pay off. */
 #define LEAST_SHARE 0.7
+/* The share of it that the light paths of a pass must take in balance with camera paths. */
+#define LEAST_BALANCED 0.25
 /* Cost of connecting a vertex to all views, relative to that of a path up to there. */
 #define COST_OF_RAYS 2.0
 #define KEY UINT64_C(0x6c69676874706174)
 
 /* ------------------------------------------------------------------------------ camera paths -- */
 
+/* What light paths take from camera paths: nothing, their class, or what the balance gives them. */
+typedef enum taken { NOTHING, CLASS, BALANCED, TAKEN } taken;
+
 /* Two suffixes of one pivot. */
 typedef struct pivot_sample {
     int tile;
-    float mean; /* of the light that the ray brings */
-    /* squared differences of the two: of all light, and of the light that only camera paths find */
-    float all, rest;
+    float mean;            /* of the light that the ray brings */
+    float variance[TAKEN]; /* of what is left */
 } pivot_sample;
 
 typedef struct asking {
@@ -35,6 +40,7 @@ typedef struct asking {
     pivot_sample *pivots; /* [PIVOTS] */
     double *found;        /* [chunks] variance of camera paths as light paths see it */
     bool *missed;         /* [chunks] whether camera paths cannot find some light */
+    taken first, end;     /* what is sampled */
 } asking;
 
 /* A camera ray. false: it meets no surface with a lobe. */
@@ -42,39 +48,68 @@ static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pi
                        lf_event *event)
 {
     const lf_rig *rig = pilot->rig;
-    enum { ACROSS = 32, DOWN = PIVOTS / ACROSS };
-    const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS;
-    const float u = ((float)x + lf_rng(tracer)) / ACROSS * (float)rig->width,
-                v = ((float)y + lf_rng(tracer)) / DOWN * (float)rig->height;
+    const int x = i % LF_PILOT_ACROSS, y = i / LF_PILOT_ACROSS,
+              view = lf_pilot_view(rig->n_views, x, y);
+    const float u = ((float)x + lf_rng(tracer)) / LF_PILOT_ACROSS * (float)rig->width,
+                v = ((float)y + lf_rng(tracer)) / LF_PILOT_DOWN * (float)rig->height;
     out->tile = lf_pilot_part(rig, (int)lf_min(v, (float)(rig->height - 1)),
                               (int)lf_min(u, (float)(rig->width - 1)));
     return lf_pilot_pivot(tracer, rig, view, (const float[]){u, v}, event, &out->mean);
 }
 
-static void sample_pivot(const asking *a, int i, lf_tracer *tracer)
+/* The scale of the balance for a direction, without visibility: a bound. */
+static float balance_scale(const asking *a, const lf_event *event, lf_vec3 wi)
 {
     const lf_light_pilot *pilot = a->pilot;
+    const lf_rig *rig = pilot->rig;
+    const lf_pivot pivot = {.z = lf_dot(lf_sub(event->p, rig->eye), rig->forward)};
+    const lf_visit visit = {.rig = rig};
+    const bool many = !pilot->alone && lf_is_view_dependent(pilot->scene, event) &&
+                      !event->hit.material->has_delta;
+    float over = 0.0f;
+    for (int k = 0; k < rig->n_views; k++) {
+        const lf_vec3 d = lf_sub(lf_rig_point(rig, rig->b[k], 0.0f, 0.0f), event->p);
+        lf_vec3 f;
+        over += fabsf(lf_dot(event->hit.ng, d)) *
+                lf_scatter_eval(pilot->scene, event, lf_normalize(d), wi, &f);
+    }
+    over *= lf_fan_unit(&visit, &pivot) * (many ? (float)LF_GLOSSY_DIRECTIONS : 1.0f);
+    return lf_light_balance_scale(a->plan->m * (float)rig->n_views, over);
+}
+
+/* Suffix k of pivot i, with the same numbers for all that is taken. */
+static lf_vec3 sample_suffix(const asking *a, int i, int k, taken what, const lf_event *event,
+                             lf_tracer *tracer)
+{
+    const lf_light_pilot *pilot = a->pilot;
+    const uint64_t key = lf_hash64(lf_hash64(KEY, (uint64_t)i), (uint64_t)k + 1);
+    lf_light_balance balance = {.emitters = a->plan->emitters, .scale = 1e30f};
+    lf_suffix suffix = {0};
+    lf_sampler sampler;
+    tracer->rng = key;
+    lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, key, 0);
+    lf_pilot_suffix(tracer, event, &sampler, &suffix);
+    if (what == BALANCED)
+        balance.scale = balance_scale(a, event, suffix.wi);
+    lf_pilot_follow(tracer, event, pilot->max_depth, what == NOTHING ? NULL : &balance, &suffix);
+    return lf_pilot_radiance(pilot->scene, event, &suffix);
+}
+
+static void sample_pivot(const asking *a, int i, lf_tracer *tracer)
+{
     pivot_sample *out = &a->pivots[i];
     lf_event event = {0};
-    lf_vec3 y[2][2];
-    lf_sampler sampler;
+    lf_vec3 y[TAKEN][2];
     tracer->rng = lf_hash64(KEY, (uint64_t)i);
-    if (!draw_pivot(pilot, tracer, i, out, &event))
+    if (!draw_pivot(a->pilot, tracer, i, out, &event))
         return;
     for (int k = 0; k < 2; k++)
-        for (int rest = 0; rest < 2; rest++) {
-            const uint64_t key = lf_hash64(lf_hash64(KEY, (uint64_t)i), (uint64_t)k + 1);
-            const lf_light_balance balance = {.emitters = a->plan->emitters, .scale = 1e30f};
-            lf_suffix suffix = {0};
-            tracer->rng = key;
-            lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, key, 0);
-            lf_pilot_suffix(tracer, &event, &sampler, pilot->max_depth, rest ? &balance : NULL,
-                            &suffix);
-            y[k][rest] = lf_pilot_radiance(pilot->scene, &event, &suffix);
-        }
-    out->mean += 0.5f * lf_mean3(lf_add(y[0][0], y[1][0]));
-    out->all = lf_pilot_variance(y[0][0], y[1][0]);
-    out->rest = lf_pilot_variance(y[0][1], y[1][1]);
+        for (taken what = a->first; what < a->end; what++)
+            y[what][k] = sample_suffix(a, i, k, what, &event, tracer);
+    for (taken what = a->first; what < a->end; what++)
+        out->variance[what] = lf_pilot_variance(y[what][0], y[what][1]);
+    if (a->first == NOTHING)
+        out->mean += 0.5f * lf_mean3(lf_add(y[NOTHING][0], y[NOTHING][1]));
 }
 
 static void sample_pivots(void *context, int item, int worker)
@@ -89,13 +124,11 @@ static void sample_pivots(void *context, int item, int worker)
 /* The image in tiles. */
 static void find_importance(const pivot_sample *pivots, lf_light_plan *plan)
 {
-    double sum[LF_PILOT_PARTS] = {0.0}, n[LF_PILOT_PARTS] = {0.0};
-    for (int i = 0; i < PIVOTS; i++) {
-        sum[pivots[i].tile] += (double)pivots[i].mean;
-        n[pivots[i].tile] += 1.0;
-    }
+    lf_pilot_light light = {0};
+    for (int i = 0; i < PIVOTS; i++)
+        lf_pilot_light_add(&light, pivots[i].tile, pivots[i].mean);
     for (int i = 0; i < LF_PILOT_PARTS; i++)
-        plan->importance[i] = (float)(1.0 / (0.1 + (n[i] > 0.0 ? sum[i] / n[i] : 0.0)));
+        plan->importance[i] = (float)(1.0 / (0.1 + lf_pilot_brightness(&light, i)));
 }
 
 /* ------------------------------------------------------------------------------- light paths -- */
@@ -153,24 +186,52 @@ static void ask_light(void *context, int item, int worker)
     a->missed[item] = b.missed;
 }
 
-/* The decision. Variances are relative to the brightness. */
-static bool decide(const asking *a)
+/* Variance of camera paths, relative to the brightness. */
+static double left_by(const asking *a, taken what)
 {
-    const lf_rig *rig = a->pilot->rig;
-    double all = 0.0, rest = 0.0, found = 0.0;
-    bool missed = false;
+    double sum = 0.0;
     for (int i = 0; i < PIVOTS; i++) {
         const double weight = (double)a->plan->importance[a->pivots[i].tile];
-        all += weight * weight * (double)a->pivots[i].all / PIVOTS;
-        rest += weight * weight * (double)a->pivots[i].rest / PIVOTS;
+        sum += weight * weight * (double)a->pivots[i].variance[what] / PIVOTS;
     }
+    return sum;
+}
+
+/* Whether light paths that take this reduce the variance by a share. */
+static bool reduce(const asking *a, taken what, double least)
+{
+    const lf_rig *rig = a->pilot->rig;
+    const double all = left_by(a, NOTHING);
+    double found = 0.0;
+    bool missed = false;
     for (int i = 0; i < ASKING_PATHS / CHUNK; i++) {
         found += a->found[i] / ASKING_PATHS;
         missed |= a->missed[i];
     }
     found /= (double)rig->width * rig->height;
-    const double of_class = fmax(all - rest, 0.0) + found;
-    return missed || of_class > LEAST_SHARE * (all + found);
+    return missed || fmax(all - left_by(a, what), 0.0) + found > least * (all + found);
+}
+
+/* Samples pivots and light paths, and decides. */
+static lf_status ask(asking *a, lf_light_plan *plan, bool *out_serves)
+{
+    lf_pool *pool = a->pilot->pool;
+    a->end = BALANCED;
+    lf_status status = lf_pool_run(pool, PIVOTS / CHUNK, sample_pivots, a, NULL);
+    if (status == LF_OK) {
+        find_importance(a->pivots, plan);
+        status = lf_pool_run(pool, ASKING_PATHS / CHUNK, ask_light, a, NULL);
+    }
+    if (status != LF_OK)
+        return status;
+    *out_serves = reduce(a, CLASS, LEAST_SHARE);
+    if (!*out_serves)
+        return LF_OK;
+    a->first = BALANCED;
+    a->end = TAKEN;
+    status = lf_pool_run(pool, PIVOTS / CHUNK, sample_pivots, a, NULL);
+    *out_serves = status == LF_OK && reduce(a, BALANCED, LEAST_BALANCED);
+    return status;
 }
 
 lf_status lf_light_pilot_asks(const lf_light_pilot *pilot, lf_light_plan *plan, bool *out_serves)
@@ -187,15 +248,9 @@ lf_status lf_light_pilot_asks(const lf_light_pilot *pilot, lf_light_plan *plan, 
     asked.m = (float)plan->per_pass; /* of one view */
     asked.cut = 0.0f;
     if (status == LF_OK)
-        status = lf_pool_run(pilot->pool, PIVOTS / CHUNK, sample_pivots, &a, NULL);
-    if (status == LF_OK) {
-        find_importance(a.pivots, &asked);
-        status = lf_pool_run(pilot->pool, ASKING_PATHS / CHUNK, ask_light, &a, NULL);
-    }
-    if (status == LF_OK) {
+        status = ask(&a, &asked, out_serves);
+    if (status == LF_OK)
         memcpy(plan->importance, asked.importance, sizeof plan->importance);
-        *out_serves = decide(&a);
-    }
     lf_free(a.workers);
     lf_free(a.pivots);
     lf_free(a.found);

@@ -8,10 +8,6 @@
 #include "render/rows/native.h"
 #include "render/rows/prefix_factor.h"
 
-/* Directions drawn at a pivot on a glossy surface: a lobe narrower than the view cone serves few
- * views. */
-#define LF_GLOSSY_DIRECTIONS 4
-
 /* Here and below, base is the view that drew the pivot; < 0: none, light has drawn it. */
 void lf_fan_project(const lf_visit *visit, const lf_pivot *pivot, int base)
 {

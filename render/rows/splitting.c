@@ -6,7 +6,7 @@
 #include "render/rows/pilot_path.h"
 
 /* Pixels of the pilot, over all views, in chunks. */
-enum { ACROSS = 32, DOWN = 32, PIXELS = ACROSS * DOWN, CHUNK = 128 };
+enum { PIXELS = LF_PILOT_ACROSS * LF_PILOT_DOWN, CHUNK = 128 };
 /* A pair of pivots in each pixel, a pair of suffixes at each pivot. */
 enum { PAIR = 2 };
 /* Thresholds of the roulette: LF_ROULETTE, or 1. */
@@ -89,7 +89,8 @@ static void sample_suffixes(const piloting *p, uint64_t key, lf_tracer *tracer, 
         tracer->roulette = roulette == EARLY ? 1.0f - LF_ROULETTE : 0.0f;
         lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, tracer->rng, 0);
         const int64_t rays = tracer->rays;
-        lf_pilot_suffix(tracer, &out->event, &sampler, p->max_depth, NULL, &suffix);
+        lf_pilot_suffix(tracer, &out->event, &sampler, &suffix);
+        lf_pilot_follow(tracer, &out->event, p->max_depth, NULL, &suffix);
         out->sum[roulette][k] = lf_pilot_radiance(p->scene, &out->event, &suffix);
         const float of_light = suffix.has_light ? 1.0f : 0.0f;
         out->rays[roulette] += (float)(tracer->rays - rays) - of_light;
@@ -144,9 +145,10 @@ static void compare(const split_pivot pair[PAIR], pixel_sample *out)
 static void sample_pixel(const piloting *p, int i, lf_tracer *tracer)
 {
     const lf_rig *rig = p->rig;
-    const int view = i * 29 % rig->n_views, x = i % ACROSS, y = i / ACROSS,
-              column = (int)(((float)x + 0.5f) / ACROSS * (float)rig->width),
-              row = (int)(((float)y + 0.5f) / DOWN * (float)rig->height);
+    const int x = i % LF_PILOT_ACROSS, y = i / LF_PILOT_ACROSS,
+              view = lf_pilot_view(rig->n_views, x, y),
+              column = (int)(((float)x + 0.5f) / LF_PILOT_ACROSS * (float)rig->width),
+              row = (int)(((float)y + 0.5f) / LF_PILOT_DOWN * (float)rig->height);
     pixel_sample *out = &p->pixels[i];
     split_pivot pair[PAIR] = {0};
     out->tile = lf_pilot_part(rig, row, column);
@@ -203,14 +205,12 @@ static void add(tally *sum, const pixel_sample *pixel, double weight)
 
 static void sum_up(const piloting *p, tally out[GROUPS + 1])
 {
-    double sum[LF_PILOT_PARTS] = {0.0}, n[LF_PILOT_PARTS] = {0.0};
+    lf_pilot_light light = {0};
+    for (int i = 0; i < PIXELS; i++)
+        lf_pilot_light_add(&light, p->pixels[i].tile, p->pixels[i].mean);
     for (int i = 0; i < PIXELS; i++) {
-        sum[p->pixels[i].tile] += (double)p->pixels[i].mean;
-        n[p->pixels[i].tile] += 1.0;
-    }
-    for (int i = 0; i < PIXELS; i++) {
-        const int tile = p->pixels[i].tile;
-        const double mean = sum[tile] / n[tile], weight = 1.0 / (mean * mean + 0.01);
+        const double mean = lf_pilot_brightness(&light, p->pixels[i].tile),
+                     weight = 1.0 / (mean * mean + 0.01);
         add(&out[i % GROUPS], &p->pixels[i], weight);
         add(&out[GROUPS], &p->pixels[i], weight);
     }

@@ -38,7 +38,7 @@ const lf_param lf_camera_params[] = {
      .about = "radius of each view's lens; 0: a pinhole, everything is sharp"},
     {.name = "focus_distance", PLACE(focus_distance), .unit = "scene units", .low = LF_MIN_DISTANCE,
      .high = LF_MAX_COORDINATE,
-     .about = "distance along the view axis that is sharp with a lens_radius (that of target)"},
+     .about = "distance along the view axis that is sharp with a lens_radius (distance of target)"},
     {.name = "view_blur", PLACE(view_blur), .unit = "camera spacings", .low = 0,
      .high = LF_MAX_VIEW_BLUR,
      .about = "width of each view's aperture along the line of cameras; 0: a pinhole; excludes "

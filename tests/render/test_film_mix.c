@@ -327,6 +327,38 @@ static void rows_of_one_film_alone_are_taken_as_they_are(void **state)
     lf_film_finish(&all);
 }
 
+/* The mark of a hole is no weight: it neither adds up, nor divides light that another film has. */
+static void marks_of_holes_stay_marks(void **state)
+{
+    (void)state;
+#define MARK LF_FILM_SETTLED
+    static const struct {
+        float from[2][2][2], to[2][2]; /* N and W of the halves: of both films, and of the sum */
+    } cases[] = {{{{{0, MARK}, {0, 0}}, {{0, MARK}, {0, 0}}}, {{0, MARK}, {0, 0}}},
+                 {{{{0, 0}, {0, MARK}}, {{0, MARK}, {0, 0}}}, {{0, MARK}, {0, 0}}},
+                 {{{{0, 0}, {0, MARK}}, {{0.25f, 0}, {0.5f, 0}}}, {{0, 0}, {0, MARK}}},
+                 {{{{0, MARK}, {0, 0}}, {{0.25f, 0}, {0.5f, 0.25f}}}, {{0.25f, 0}, {0.5f, 0.25f}}},
+                 {{{{0.5f, 0.25f}, {0, 0}}, {{0, MARK}, {0, 0}}}, {{0.5f, 0.25f}, {0, 0}}},
+                 {{{{0.25f, 0}, {0, 0}}, {{0.25f, 0}, {0.5f, 0}}}, {{0.5f, 0}, {0.5f, 0}}}};
+    enum { CASES = sizeof cases / sizeof cases[0] };
+    lf_film films[2] = {film_of(0, true), film_of(1, true)};
+    for (int i = 0; i < 4 * CASES; i++) {
+        const float *of = cases[i / 4].from[i / 2 % 2][i % 2];
+        lf_film_at(&films[i / 2 % 2], 1, i % 2).scattered[i / 4] =
+            (lf_film_scattered){.n = {of[0]}, .w = of[1]};
+    }
+    lf_assert_ok(added_film(&films[0], &films[1], NULL), NULL);
+    for (int i = 0; i < 2 * CASES; i++) {
+        const lf_film_scattered *sum = &lf_film_at(&films[0], 1, i % 2).scattered[i / 2];
+        const float *to = cases[i / 2].to[i % 2];
+        if (sum->n[0] != to[0] || sum->w != to[1])
+            fail_msg("case %d, half %d: N %g, W %g", i / 2, i % 2, (double)sum->n[0],
+                     (double)sum->w);
+    }
+    lf_film_finish(&films[0]);
+    lf_film_finish(&films[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -339,6 +371,7 @@ int main(void)
         cmocka_unit_test(streams_ascend_in_whatever_order_they_come),
         cmocka_unit_test(more_streams_than_a_film_has_are_refused),
         cmocka_unit_test(rows_of_one_film_alone_are_taken_as_they_are),
+        cmocka_unit_test(marks_of_holes_stay_marks),
     };
     return cmocka_run_group_tests_name("film_mix", tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* One lamp, made in several ways: faces doubled, a quad or ten thousand triangles. */
 #include "tests/testing.h"
 
+#include "render/transport/path/path.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
@@ -121,11 +122,52 @@ static void a_lamp_in_the_place_of_another_is_one_lamp(void **state)
     assert_true(same_light(".", lamps, 1.01));
 }
 
+/* A lamp of this material, whose light is 5, made n times in one place: what light samples bring,
+ * and what rays the same way find, must be this share of it. */
+static void assert_share(const char *material, int n, double share)
+{
+    enum { rays = 4096 };
+    lf_scene *scene = lf_test_scene(
+        lf_test_scene_patched("light-over-floor", "{'materials': {'lamp': %s}, 'meshes': {%s}}",
+                              material, n > 1 ? QUAD("b", "lamp", ", 'rotate': [180, 0, 0]") : ""));
+    lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
+    lf_event event = {.kind = LF_EVENT_MEDIUM, .p = {0.1f, 0.2f, 0.1f}};
+    double sampled = 0.0, found = 0.0;
+    for (int i = 0; i < rays; i++) {
+        const float u[3] = {lf_rng(&tracer), lf_rng(&tracer), lf_rng(&tracer)};
+        lf_light_sample light;
+        lf_event next = {0};
+        float pdf;
+        assert_true(lf_light_draw(scene, event.p, u, &light));
+        const float passed = lf_path_lit(&tracer, &event, &light);
+        sampled += n * (double)(passed * lf_mean3(light.radiance)) / rays;
+        lf_path_next(&tracer, &event, light.wi, &next);
+        found += (double)lf_mean3(lf_path_light_found(scene, &event, &next, &pdf)) / rays;
+    }
+    /* Of n samples of a place one is the first face there. */
+    const double error = 5.0 * 5.0 * sqrt(n * share * (n - share) / rays) + 1e-4;
+    lf_assert_close(found, 5.0 * share, 0, error);
+    lf_assert_close(sampled, 5.0 * share, 0, error);
+    lf_scene_unref(scene);
+}
+
+static void light_samples_bring_what_rays_find(void **state)
+{
+    (void)state;
+    assert_share("{'albedo': 0, 'emission': 5}", 1, 1.0);
+    assert_share("{'albedo': 0, 'emission': 5, 'alpha': 0.2}", 1, 0.2);
+    assert_share("{'albedo': 0, 'emission': 5}", 2, 1.0);
+    assert_share("{'albedo': 0, 'emission': 5, 'alpha': 0.2}", 2, 0.2);
+    assert_share("{'type': 'principled', 'transmission': 1, 'emission': 5}", 1, 1.0);
+    assert_share("{'type': 'principled', 'transmission': 1, 'emission': 5, 'alpha': 0.5}", 1, 0.5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_lamp_whose_faces_are_doubled_is_one_lamp),
         cmocka_unit_test(a_lamp_in_the_place_of_another_is_one_lamp),
+        cmocka_unit_test(light_samples_bring_what_rays_find),
         cmocka_unit_test(a_lamp_is_the_same_as_one_quad_and_as_ten_thousand_triangles),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

@@ -96,6 +96,18 @@ static void write_spark_sky(void)
     write_hdr("spark.hdr", across, down, texels[0]);
 }
 
+/* Bright texels around a pole, much wider than high: their middles are nearer to the far edge. */
+static void write_pole_sky(void)
+{
+    enum { across = 256, down = 16 };
+    static unsigned char texels[across * down][4];
+    for (int i = 0; i < across * down; i++) {
+        const unsigned char texel[4] = {200, 200, 200, i >= 9 && i < 17 ? 132 : 124};
+        memcpy(texels[i], texel, 4);
+    }
+    write_hdr("pole.hdr", across, down, texels[0]);
+}
+
 static int write_files(void **state)
 {
     uint8_t glow[64] = {0};
@@ -106,6 +118,7 @@ static int write_files(void **state)
     write_sky();
     write_coarse_sky();
     write_spark_sky();
+    write_pole_sky();
     lf_picture_png(lf_test_path(folder, "glow.png"), 4, 4, 8, PNG_COLOR_TYPE_RGBA, false, NULL,
                    glow, 16);
     return 0;
@@ -304,6 +317,18 @@ static void rows_may_differ_in_their_visits(void **state)
     drop(uneven, pools[1]);
 }
 
+static void assert_no_mark_divides(const lf_renderer *r, int pass)
+{
+    for (int row = 0; row < height; row++)
+        for (int h = 0; h < 2; h++) {
+            const lf_film_half half = lf_film_at(&r->film, row, h);
+            for (int i = 0; i < n_views * width; i++)
+                if (half.scattered[i].n[0] > 1e6f * half.scattered[i].w && half.scattered[i].w > 0)
+                    fail_msg("pass %d: row %d, half %d, pixel %d: %g, weight %g", pass, row, h, i,
+                             (double)half.scattered[i].n[0], (double)half.scattered[i].w);
+        }
+}
+
 /* A pixel in which no path was found counts as dark, with a weight that is a mark. Light of light
  * paths must not be divided by it. */
 static void light_is_not_divided_by_marks(void **state)
@@ -321,6 +346,7 @@ static void light_is_not_divided_by_marks(void **state)
             lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
         lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
         lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
+        assert_no_mark_divides(r, i);
         double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
         for (int k = 0; k < n_views * width * height; k++)
             if (!(picture[k] < 1e6))
@@ -434,6 +460,25 @@ static void a_spark_hides_no_bright_part(void **state)
     lf_scene_unref(scene);
 }
 
+static void lobes_reach_to_the_pole(void **state)
+{
+    (void)state;
+    lf_sky_lobe lobe[LF_SKY_LOBES];
+    int n;
+    lf_scene *scene = under_sky("pole.hdr");
+    assert_int_equal(lf_sky_lobes_find(sky_light(scene), lobe, &n), LF_OK);
+    assert_int_equal(n, 1);
+    assert_in_range(lobe[0].n, 6, 8);
+    for (int i = 0; i < 16 * 16; i++) {
+        float pdf;
+        const float u[3] = {(float)(i % 16) / 15.0f, 0.5f, ((float)(i / 16) + 0.5f) / 16.0f};
+        const lf_vec3 wi = lf_sky_lobe_draw(&lobe[0], sky_light(scene), u, &pdf);
+        assert_true(lf_sky_lobe_near(&lobe[0], wi));
+    }
+    lf_sky_lobe_finish(&lobe[0]);
+    lf_scene_unref(scene);
+}
+
 static void lamp_pictures(int emission, double alpha, const char *integrator, int paths,
                           uint64_t salt, lf_blocks *out)
 {
@@ -493,6 +538,18 @@ static void the_pilot_takes_them_where_they_help(void **state)
                                                       "'environment', 'radiance': 1}}}"),
                "mvpt"),
         0);
+    /* a wide panel: their class has most of the variance, and the balance leaves it to camera paths
+     */
+    assert_int_equal(
+        chosen(lf_test_scene_patched(
+                   "glossy-corner",
+                   "{'lights': {'sun': null}, 'meshes': {'panel': {'shape': 'quad', 'material':"
+                   " 'panel', 'transform': {'scale': 1.5, 'translate': [0, 2.5, 0]}}},"
+                   " 'materials': {'panel': {'albedo': 0, 'emission': 4}, 'floor': {'type':"
+                   " 'conductor', 'albedo': 0.9, 'roughness': 0.1}, 'ball': {'roughness': 0.1},"
+                   " 'wall': {'roughness': 0.1}}}"),
+               "mvpt"),
+        0);
     /* not served: media, lenses, and an integrator without them */
     assert_int_equal(chosen(lf_test_scene_text("mixed"), "mvpt"), 0);
     assert_int_equal(
@@ -516,6 +573,7 @@ int main(void)
         cmocka_unit_test(skies_have_bright_parts),
         cmocka_unit_test(coarse_skies_have_none),
         cmocka_unit_test(a_spark_hides_no_bright_part),
+        cmocka_unit_test(lobes_reach_to_the_pole),
         cmocka_unit_test(lamps_of_alpha_send_their_share),
         cmocka_unit_test(the_pilot_takes_them_where_they_help),
     };

@@ -265,6 +265,28 @@ static void the_identity_has_the_number(void **state)
     lf_scene_unref(scene);
 }
 
+/* With 8, 16 or 32 views a column must not have one view alone. */
+static void each_column_of_a_pilot_meets_every_view(void **state)
+{
+    enum { across = LF_PILOT_ACROSS, down = LF_PILOT_DOWN, most = 100 };
+    static const int views[] = {1, 2, 7, 8, 10, 16, 32, 45, 48, most};
+    (void)state;
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; i++) {
+        const int n = views[i];
+        int of_column[across][most] = {{0}}, of_row[down][most] = {{0}};
+        for (int k = 0; k < across * down; k++) {
+            const int x = k % across, y = k / across, view = lf_pilot_view(n, x, y);
+            assert_in_range(view, 0, n - 1);
+            of_column[x][view]++;
+            of_row[y][view]++;
+        }
+        for (int k = 0; k < across * n; k++) {
+            assert_in_range(of_column[k / n][k % n], down / n, (down + n - 1) / n);
+            assert_in_range(of_row[k / n][k % n], across / n, (across + n - 1) / n);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -274,6 +296,7 @@ int main(void)
         cmocka_unit_test(light_paths_know_the_number),
         cmocka_unit_test(weights_are_as_expected),
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(each_column_of_a_pilot_meets_every_view),
         cmocka_unit_test(the_pilot_splits_in_a_room_and_not_in_the_open),
         cmocka_unit_test(one_suffix_gives_the_bytes_without_a_pilot),
         cmocka_unit_test(the_identity_has_the_number),

@@ -368,7 +368,7 @@ export interface Calls {
       "scene_fd"?: boolean;
       /** name of scene or scene_fd in messages, at most 128 bytes without / (scene) */
       "name"?: string;
-      /** arrays of the scene by name, each {shape, type}; their descriptors follow those of files */
+      /** arrays of the scene by name, each {shape, type}; their descriptors come after the descriptors of files */
       "arrays"?: { [key: string]: unknown };
       /** tiles COLUMNSxROWS of an image whose name has no _qs suffix */
       "quilt"?: string;
@@ -444,7 +444,7 @@ export interface Calls {
       "patch": { [key: string]: unknown };
       /** absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, read-only); quiltctl fills this in */
       "files"?: string[];
-      /** arrays of the scene by name, each {shape, type}; their descriptors follow those of files */
+      /** arrays of the scene by name, each {shape, type}; their descriptors come after the descriptors of files */
       "arrays"?: { [key: string]: unknown };
     };
     result: {
@@ -520,7 +520,7 @@ export interface Calls {
       "placement"?: "centred" | "inclusive";
       /** radius of each view's lens; 0: a pinhole, everything is sharp [scene units] */
       "lens_radius"?: number;
-      /** distance along the view axis that is sharp with a lens_radius (that of target) [scene units] */
+      /** distance along the view axis that is sharp with a lens_radius (distance of target) [scene units] */
       "focus_distance"?: number;
       /** width of each view's aperture along the line of cameras; 0: a pinhole; excludes lens_radius [camera spacings] */
       "view_blur"?: number;
@@ -1399,7 +1399,7 @@ export interface Calls {
     params: {
       /** image or quilt; of a quilt the middle view */
       "file": string;
-      /** width of the JPEG, at most that of the image; the height follows [pixels] */
+      /** width of the JPEG, at most the width of the image; the height follows [pixels] */
       "width"?: number;
     };
     result: {
@@ -1426,7 +1426,7 @@ export interface Calls {
       "overwrite"?: boolean;
       /** write the denoised image; auto: as on the panel, but EXR files unfiltered */
       "denoise"?: "auto" | "off" | "on";
-      /** farm that renders the scene anew, see Farms; quiltd needs --farm */
+      /** farm that renders the scene again, see Farms; quiltd needs --farm */
       "farm"?: "slurm" | "parallel" | "list";
       /** farm: new folder below --export-dir, for scene, tasks and states of the job */
       "job"?: string;

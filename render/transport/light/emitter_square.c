@@ -30,19 +30,19 @@ static void find_shadow(const lf_emitter_square *square, const lf_box *box, int 
 }
 
 /* What is known of a square before any path: half is even, and half goes to the shadows of meshes,
- * an equal share to each, so that small ones beside large ones are found. weight [cells]: sum 1. */
-static void find_prior(const lf_scene *scene, const lf_emitter_square *square, double *weight)
+ * an equal share to each, so that small ones beside large ones are found. */
+static void find_prior(const lf_scene *scene, const lf_emitter_square *square)
 {
     const bool shadows = scene->n_meshes > 0 && scene->n_meshes <= MOST_SHADOWS;
     for (int c = 0; c < LF_EMITTER_CELLS; c++)
-        weight[c] = (shadows ? 0.5 : 1.0) / LF_EMITTER_CELLS;
+        square->prior[c] = (shadows ? 0.5 : 1.0) / LF_EMITTER_CELLS;
     for (int i = 0; i < scene->n_meshes && shadows; i++) {
         int low[2], high[2];
         find_shadow(square, &scene->meshes[i].box, low, high);
         const double n = (double)(high[0] - low[0] + 1) * (high[1] - low[1] + 1);
         for (int y = low[1]; y <= high[1]; y++)
             for (int x = low[0]; x <= high[0]; x++)
-                weight[y * LF_EMITTER_GRID + x] += 0.5 / (n * scene->n_meshes);
+                square->prior[y * LF_EMITTER_GRID + x] += 0.5 / (n * scene->n_meshes);
     }
 }
 
@@ -63,13 +63,12 @@ void lf_emitter_square_place(lf_emitter_square *square, const lf_scene *scene, l
 {
     const lf_vec3 d = lf_sub(scene->bounds.max, scene->bounds.min);
     const float radius = 0.5f * lf_length(d);
-    double weight[LF_EMITTER_CELLS];
     square->middle = lf_scale(lf_add(scene->bounds.min, scene->bounds.max), 0.5f);
     square->half = 1.001f * radius / least_cosine;
     square->axis = axis;
     lf_tangents(axis, &square->right, &square->up);
-    find_prior(scene, square, weight);
-    set_cells(square, weight);
+    find_prior(scene, square);
+    set_cells(square, square->prior);
 }
 
 lf_vec3 lf_emitter_square_draw(const lf_emitter_square *square, const float u[3], int *out_cell,
@@ -120,15 +119,14 @@ static double smooth(const double *second, int cell)
     return sum / n;
 }
 
-void lf_emitter_square_learn(lf_emitter_square *square, const lf_scene *scene, const double *second)
+void lf_emitter_square_learn(lf_emitter_square *square, const double *second)
 {
     double root[LF_EMITTER_CELLS], weight[LF_EMITTER_CELLS], sum = 0.0;
     for (int c = 0; c < LF_EMITTER_CELLS; c++)
         sum += root[c] = sqrt(smooth(second, c));
     if (!(sum > 0.0))
         return;
-    find_prior(scene, square, weight);
     for (int c = 0; c < LF_EMITTER_CELLS; c++)
-        weight[c] = UNLEARNED * weight[c] + (1.0 - UNLEARNED) * root[c] / sum;
+        weight[c] = UNLEARNED * square->prior[c] + (1.0 - UNLEARNED) * root[c] / sum;
     set_cells(square, weight);
 }

@@ -17,12 +17,13 @@ typedef struct lf_emitter_square {
     int first;                      /* its first cell among those of all squares */
     float *density;                 /* [cells] relative to an even one; NULL: even */
     float *cumulative;              /* [cells + 1] probabilities; NULL: there is no square */
+    double *prior;                  /* [cells] probabilities before any path */
     const struct lf_sky_lobe *lobe; /* the directions of a sky (sky_lobe.h); NULL: of the light */
 } lf_emitter_square;
 
 /* Places the square across axis for directions with at least this cosine to it, and sets its cells
- * as before any path: half is even, and half goes to the shadows of meshes. first, density and
- * cumulative are set. */
+ * as before any path: half is even, and half goes to the shadows of meshes. first, density,
+ * cumulative and prior are set. */
 void lf_emitter_square_place(lf_emitter_square *square, const lf_scene *scene, lf_vec3 axis,
                              float least_cosine);
 
@@ -36,7 +37,6 @@ float lf_emitter_square_density(const lf_emitter_square *square, lf_vec3 p, lf_v
 /* Sets the densities of the cells from the second moments of what paths through them brought: a
  * tenth as at first, the rest in proportion to the roots of the moments, each averaged with its
  * neighbours. second [cells]. */
-void lf_emitter_square_learn(lf_emitter_square *square, const lf_scene *scene,
-                             const double *second);
+void lf_emitter_square_learn(lf_emitter_square *square, const double *second);
 
 #endif

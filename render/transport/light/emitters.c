@@ -71,7 +71,8 @@ static lf_status place_squares(lf_emitters *emitters)
         return LF_OK;
     emitters->density = lf_calloc(cells, sizeof *emitters->density);
     emitters->cell_sums = lf_calloc(cells + n, sizeof *emitters->cell_sums);
-    if (!emitters->density || !emitters->cell_sums)
+    emitters->prior = lf_calloc(cells, sizeof *emitters->prior);
+    if (!emitters->density || !emitters->cell_sums || !emitters->prior)
         return LF_E_NOMEM;
     for (size_t i = 0; i < n; i++) {
         lf_emitter *of = &emitters->of[i];
@@ -79,6 +80,7 @@ static lf_status place_squares(lf_emitters *emitters)
             (lf_emitter_square){.first = emitters->n_cells,
                                 .density = emitters->density + i * LF_EMITTER_CELLS,
                                 .cumulative = emitters->cell_sums + i * (LF_EMITTER_CELLS + 1),
+                                .prior = emitters->prior + i * LF_EMITTER_CELLS,
                                 .lobe = of->light->environment ? &of->lobe : NULL};
         emitters->n_cells += LF_EMITTER_CELLS;
         if (of->light->environment)
@@ -116,6 +118,7 @@ void lf_emitters_finish(lf_emitters *emitters)
     lf_free(emitters->first);
     lf_free(emitters->density);
     lf_free(emitters->cell_sums);
+    lf_free(emitters->prior);
     *emitters = (lf_emitters){0};
 }
 
@@ -203,6 +206,6 @@ void lf_emitters_learn(lf_emitters *emitters, const double *second)
 {
     for (int s = 0; s < emitters->n_infinite; s++) {
         lf_emitter_square *square = &emitters->of[s].square;
-        lf_emitter_square_learn(square, emitters->scene, second + square->first);
+        lf_emitter_square_learn(square, second + square->first);
     }
 }

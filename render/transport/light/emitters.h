@@ -31,6 +31,7 @@ typedef struct lf_emitters {
     int n_cells;       /* of all squares */
     float *density;    /* [n_cells] the squares' memory */
     float *cell_sums;  /* [n_cells + one for each square] */
+    double *prior;     /* [n_cells] */
     unsigned faults;   /* lf_fault (fault.h) */
 } lf_emitters;
 

@@ -31,7 +31,7 @@ typedef struct bright_texels {
     bright_texel *of;
     size_t n;
     double sum;  /* of probabilities */
-    double half; /* of the angle across the largest texel */
+    double half; /* bound of the angle between the middle of a texel and any direction of it */
 } bright_texels;
 
 /* The sampling density of texels that are BRIGHT times as bright as the mean. */
@@ -39,6 +39,14 @@ static float least_pdf(const lf_environment *e)
 {
     return (float)((BRIGHT - 1.0) * (double)e->mean /
                    (4.0 * (double)LF_PI * (double)e->above_mean));
+}
+
+/* An angle is at most the hypotenuse of the differences in latitude and longitude. A middle halves
+ * the area of its texel: that of a texel at a pole is farthest from an edge, the pole. */
+static double half_of(const lf_environment *e)
+{
+    const double from_pole = 2.0 * asin(sqrt(0.5) * sin(0.5 * M_PI / e->height));
+    return hypot(from_pole, M_PI / e->width);
 }
 
 static lf_status find_bright(const lf_light *light, bright_texels *out)
@@ -49,7 +57,7 @@ static lf_status find_bright(const lf_light *light, bright_texels *out)
     size_t n = 0;
     for (size_t i = 0; i < all; i++)
         n += e->pdf[i] > least;
-    *out = (bright_texels){.half = hypot(M_PI / e->height, 2.0 * M_PI / e->width) / 2.0};
+    *out = (bright_texels){.half = half_of(e)};
     if (n == 0)
         return LF_OK;
     out->of = lf_calloc(n, sizeof *out->of);

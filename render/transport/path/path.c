@@ -4,6 +4,7 @@
 #include "render/transport/light/equiangular.h"
 #include "render/transport/path/interior.h"
 #include "render/transport/path/subsurface.h"
+#include "render/transport/surface/surface_texture.h"
 
 /* Whether the path came here through subsurface, where no light sample was drawn. */
 static bool is_in_subsurface(const lf_scene *scene, const lf_event *event)
@@ -169,9 +170,11 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
  *
  * A point within rounding of its triangle's edge may be met on the neighbour, and is lost. The loss
  * is a few times 1/n, for lights cut into triangles n times as wide as the rounding of coordinates
- * (a ball of radius 0.05, 1000 from the middle of the scene: 2.8 %). */
-static bool meets_area_light(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
-                             const lf_light_sample *light)
+ * (a ball of radius 0.05, 1000 from the middle of the scene: 2.8 %).
+ *
+ * A ray ends on an alpha surface at random, so its chance replaces its share of the light. */
+static float meets_area_light(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
+                              lf_light_sample *light)
 {
     const lf_vec3 d = lf_sub(light->point, o);
     lf_hit hit;
@@ -179,7 +182,11 @@ static bool meets_area_light(lf_tracer *tracer, const lf_event *event, lf_vec3 o
     const bool met = lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS)
                          ? lf_nest_trace(tracer, event, o, d, INFINITY, &nest, &hit)
                          : lf_trace_surface(tracer, o, d, INFINITY, &hit);
-    return met && hit.mesh == light->mesh && hit.triangle == light->triangle;
+    if (!met || hit.mesh != light->mesh || hit.triangle != light->triangle)
+        return 0.0f;
+    const float share = lf_hit_cover(&hit, tracer->width + tracer->spread * hit.t);
+    light->radiance = lf_scale(light->radiance, 1.0f / share);
+    return 1.0f;
 }
 
 /* Transmittance from there to the event; ignored glass faces do not occlude. */
@@ -214,7 +221,7 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
         t_max = 1.0f - 1e-6f;
     }
     float passed = lf_has(tracer->scene, LF_TRAIT_OVERLAPS) && light->mesh
-                       ? (float)meets_area_light(tracer, event, o, light)
+                       ? meets_area_light(tracer, event, o, light)
                        : passed_from(tracer, event, o, d, t_max);
     if (!(passed > 0.0f))
         return 0.0f;
