@@ -43,6 +43,9 @@ typedef struct lf_outfile {
     bool borrowed;   /* the descriptor is a client's: no rename */
     char *path;      /* final name; NULL when borrowed */
     char *temporary; /* temporary name; NULL when unnamed (O_TMPFILE) or borrowed */
+    /* Threads that compress for this file: the caller sets it after opening. NULL: only the caller
+     * works. The bytes are the same. */
+    struct lf_pool *pool;
 } lf_outfile;
 
 /* Begins to write path. First removes remains "…quiltd-XXXXXX" of killed runs for the same NAME. */

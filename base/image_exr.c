@@ -13,6 +13,7 @@
 
 #include "base/alloc.h"
 #include "base/image_exr.h"
+#include "base/thread.h"
 
 static bool recognises_exr(const uint8_t *head, size_t n)
 {
@@ -25,9 +26,13 @@ static void on_error(exr_const_context_t exr, exr_result_t code, const char *mes
     if (exr_get_user_data(exr, &data) != EXR_ERR_SUCCESS || !data)
         return;
     lf_exr_session *s = data;
+    /* threads may complain at once */
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&lock);
     if (s->message[0] == 0)
         snprintf(s->message, sizeof s->message, "%s",
                  message ? message : exr_get_default_error_message(code));
+    pthread_mutex_unlock(&lock);
 }
 
 lf_status lf_exr_fail(const lf_exr_session *s, exr_result_t code)
@@ -355,18 +360,36 @@ static int64_t write_bytes(exr_const_context_t exr, void *data, const void *from
     return s->status == LF_OK ? (int64_t)n : -1;
 }
 
+/* Chunks that are compressed at once. */
+#define HANDS_A_THREAD 2
+#define MOST_HANDS 64
+
+struct exr_job;
+
+/* A chunk of lines in the making. */
+typedef struct exr_hand {
+    const struct exr_job *job;
+    exr_encode_pipeline_t encode;
+    float *block; /* [lines of a chunk][width][n_channels] */
+    exr_result_t result;
+    bool ready; /* encode is initialised */
+} exr_hand;
+
 typedef struct exr_job {
     int width, height;
     lf_rows32_fn rows;
     void *context;
     const char *const *channels; /* [n_channels] */
-    int n_channels;
-    float *block; /* [lines of a chunk][width][n_channels] */
+    int n_channels, n_hands;
+    exr_hand *hands;
+    exr_context_t exr;
     double pixel_aspect;
     exr_pixel_type_t type; /* in the file */
     const lf_attribute *attributes;
     int n_attributes;
-    exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
+    /* the library's choice */
+    exr_result_t (*compress)(exr_encode_pipeline_t *encode);
+    exr_result_t (*write)(exr_encode_pipeline_t *encode);
 } exr_job;
 
 /* The next channel name after `before` (NULL: the first), in file order. */
@@ -403,14 +426,16 @@ static exr_result_t define_part(exr_context_t exr, const exr_job *job)
     return rv == EXR_ERR_SUCCESS ? exr_write_header(exr) : rv;
 }
 
-static void aim_encoder(exr_encode_pipeline_t *encode, const exr_job *job)
+static void aim_encoder(exr_hand *hand)
 {
+    const exr_job *job = hand->job;
+    exr_encode_pipeline_t *encode = &hand->encode;
     for (int c = 0; c < encode->channel_count; c++) {
         exr_coding_channel_info_t *channel = &encode->channels[c];
         int slot = 0;
         while (strcmp(channel->channel_name, job->channels[slot]) != 0)
             slot++;
-        channel->encode_from_ptr = (const uint8_t *)(job->block + slot);
+        channel->encode_from_ptr = (const uint8_t *)(hand->block + slot);
         channel->user_bytes_per_element = 4;
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_pixel_stride = 4 * job->n_channels;
@@ -429,51 +454,106 @@ static exr_result_t compress_or_copy(exr_encode_pipeline_t *encode)
     return rv;
 }
 
-static exr_result_t write_chunks(exr_context_t exr, exr_job *job, exr_encode_pipeline_t *encode,
-                                 int lines)
+/* Chunks are written in order, by one thread. */
+static exr_result_t write_later(exr_encode_pipeline_t *encode)
 {
-    for (int y = 0; y < job->height; y += lines) {
-        exr_chunk_info_t chunk = {0};
-        exr_result_t rv = exr_write_scanline_chunk_info(exr, 0, y, &chunk);
-        for (int row = 0; rv == EXR_ERR_SUCCESS && row < chunk.height; row++)
-            job->rows(job->context, y + row,
-                      job->block + (size_t)row * (size_t)job->width * (size_t)job->n_channels);
-        if (rv == EXR_ERR_SUCCESS)
-            rv = y == 0 ? exr_encoding_initialize(exr, 0, &chunk, encode)
-                        : exr_encoding_update(exr, 0, &chunk, encode);
-        if (rv != EXR_ERR_SUCCESS)
-            return rv;
-        aim_encoder(encode, job);
-        if (y == 0) {
-            rv = exr_encoding_choose_default_routines(exr, 0, encode);
-            job->compress = encode->compress_fn;
-            encode->compress_fn = compress_or_copy;
-            encode->encoding_user_data = job;
-        }
-        if (rv == EXR_ERR_SUCCESS)
-            rv = exr_encoding_run(exr, 0, encode);
-        if (rv != EXR_ERR_SUCCESS)
-            return rv;
-    }
+    (void)encode;
     return EXR_ERR_SUCCESS;
 }
 
-static exr_result_t write_picture(exr_context_t exr, exr_job *job)
+/* Reads the lines from y on. */
+static exr_result_t fill_hand(exr_job *job, exr_hand *hand, int y)
 {
-    int32_t lines = 0;
-    exr_result_t rv = define_part(exr, job);
+    exr_chunk_info_t chunk = {0};
+    exr_result_t rv = exr_write_scanline_chunk_info(job->exr, 0, y, &chunk);
+    for (int row = 0; rv == EXR_ERR_SUCCESS && row < chunk.height; row++)
+        job->rows(job->context, y + row,
+                  hand->block + (size_t)row * (size_t)job->width * (size_t)job->n_channels);
     if (rv == EXR_ERR_SUCCESS)
-        rv = exr_get_scanlines_per_chunk(exr, 0, &lines);
+        rv = hand->ready ? exr_encoding_update(job->exr, 0, &chunk, &hand->encode)
+                         : exr_encoding_initialize(job->exr, 0, &chunk, &hand->encode);
     if (rv != EXR_ERR_SUCCESS)
         return rv;
-    job->block =
-        lf_calloc((size_t)lines * (size_t)job->width, (size_t)job->n_channels * sizeof *job->block);
-    if (!job->block)
-        return EXR_ERR_OUT_OF_MEMORY;
-    exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
-    rv = write_chunks(exr, job, &encode, lines);
-    exr_encoding_destroy(exr, &encode);
-    lf_free(job->block);
+    aim_encoder(hand);
+    if (!hand->ready) {
+        rv = exr_encoding_choose_default_routines(job->exr, 0, &hand->encode);
+        job->compress = hand->encode.compress_fn;
+        job->write = hand->encode.write_fn;
+        hand->encode.compress_fn = compress_or_copy;
+        hand->encode.yield_until_ready_fn = NULL; /* would accept only the next to be written */
+        hand->encode.write_fn = write_later;
+        hand->encode.encoding_user_data = job;
+        hand->ready = true;
+    }
+    return rv;
+}
+
+static void encode_item(void *context, int item, int worker)
+{
+    const exr_job *job = context;
+    exr_hand *hand = &job->hands[item];
+    (void)worker;
+    hand->result = exr_encoding_run(job->exr, 0, &hand->encode);
+}
+
+static exr_result_t write_chunks(exr_job *job, lf_pool *pool, int lines)
+{
+    exr_result_t rv = EXR_ERR_SUCCESS;
+    for (int y = 0; y < job->height && rv == EXR_ERR_SUCCESS;) {
+        int n = 0;
+        for (; n < job->n_hands && y < job->height && rv == EXR_ERR_SUCCESS; n++, y += lines)
+            rv = fill_hand(job, &job->hands[n], y);
+        if (rv == EXR_ERR_SUCCESS &&
+            (!pool || lf_pool_run(pool, n, encode_item, job, NULL) != LF_OK))
+            for (int i = 0; i < n; i++)
+                encode_item(job, i, 0);
+        for (int i = 0; i < n && rv == EXR_ERR_SUCCESS; i++) {
+            rv = job->hands[i].result;
+            if (rv == EXR_ERR_SUCCESS)
+                rv = job->write(&job->hands[i].encode);
+        }
+    }
+    return rv;
+}
+
+static exr_result_t make_hands(exr_job *job, const lf_pool *pool, int lines)
+{
+    const int n = pool && lf_pool_threads(pool) > 1 ? HANDS_A_THREAD * lf_pool_threads(pool) : 1;
+    job->n_hands = n < MOST_HANDS ? n : MOST_HANDS;
+    job->hands = lf_calloc((size_t)job->n_hands, sizeof *job->hands);
+    for (int i = 0; job->hands && i < job->n_hands; i++) {
+        exr_hand *hand = &job->hands[i];
+        hand->job = job;
+        hand->encode = (exr_encode_pipeline_t)EXR_ENCODE_PIPELINE_INITIALIZER;
+        hand->block = lf_calloc((size_t)lines * (size_t)job->width,
+                                (size_t)job->n_channels * sizeof *hand->block);
+        if (!hand->block)
+            return EXR_ERR_OUT_OF_MEMORY;
+    }
+    return job->hands ? EXR_ERR_SUCCESS : EXR_ERR_OUT_OF_MEMORY;
+}
+
+static void free_hands(exr_job *job)
+{
+    for (int i = 0; job->hands && i < job->n_hands; i++) {
+        if (job->hands[i].ready)
+            exr_encoding_destroy(job->exr, &job->hands[i].encode);
+        lf_free(job->hands[i].block);
+    }
+    lf_free(job->hands);
+}
+
+static exr_result_t write_picture(exr_job *job, lf_pool *pool)
+{
+    int32_t lines = 0;
+    exr_result_t rv = define_part(job->exr, job);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = exr_get_scanlines_per_chunk(job->exr, 0, &lines);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = make_hands(job, pool, lines);
+    if (rv == EXR_ERR_SUCCESS)
+        rv = write_chunks(job, pool, lines);
+    free_hands(job);
     return rv;
 }
 
@@ -501,12 +581,12 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
     setup.error_handler_fn = on_error;
     setup.user_data = &session;
     setup.write_fn = write_bytes;
-    exr_context_t exr = NULL;
-    exr_result_t rv = exr_start_write(&exr, lf_outfile_name(file), EXR_WRITE_FILE_DIRECTLY, &setup);
+    exr_result_t rv =
+        exr_start_write(&job.exr, lf_outfile_name(file), EXR_WRITE_FILE_DIRECTLY, &setup);
     if (rv == EXR_ERR_SUCCESS)
-        rv = write_picture(exr, &job);
+        rv = write_picture(&job, file->pool);
     /* finishing writes the chunk table, and may also fail */
-    exr_result_t end = exr ? exr_finish(&exr) : EXR_ERR_SUCCESS;
+    exr_result_t end = job.exr ? exr_finish(&job.exr) : EXR_ERR_SUCCESS;
     if (rv == EXR_ERR_SUCCESS)
         rv = end;
     return rv == EXR_ERR_SUCCESS && session.status == LF_OK ? LF_OK : lf_exr_fail(&session, rv);

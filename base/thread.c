@@ -13,6 +13,9 @@
 
 #define MAX_THREADS 256
 #define STACK_BYTES (8u << 20)
+/* Workers that the caller of a run wakes, and each worker that joins it. With 2, a short run wakes
+ * few, and 64 are awake after six steps. */
+#define FAN 2
 
 typedef struct worker {
     lf_pool *pool;
@@ -28,11 +31,11 @@ struct lf_pool {
     worker *workers;
 
     pthread_mutex_t lock;
-    pthread_cond_t wake; /* signals a new run, or stop */
+    pthread_cond_t wake; /* signals that a run wants workers, or stop */
     pthread_cond_t idle; /* signals that n_busy became 0 */
     /* under lock */
-    uint64_t run;
-    int n_busy;
+    int n_wanted; /* workers that may still join the run; 0: there is none */
+    int n_busy;   /* workers in the run */
     bool stop;
 
     /* written under lock before a run is announced, constant during it */
@@ -143,22 +146,31 @@ static void work(lf_pool *pool, int index)
     }
 }
 
+/* Wakes up to FAN of the workers that a run still wants. */
+static void call_some(lf_pool *pool, int n_wanted)
+{
+    for (int i = 0; i < n_wanted && i < FAN; i++)
+        pthread_cond_signal(&pool->wake);
+}
+
 static void *worker_main(void *argument)
 {
     const worker *self = argument;
     lf_pool *pool = self->pool;
-    uint64_t seen = 0;
     flush_denormals();
     pthread_mutex_lock(&pool->lock);
     for (;;) {
-        while (!pool->stop && pool->run == seen)
+        while (!pool->stop && pool->n_wanted == 0)
             pthread_cond_wait(&pool->wake, &pool->lock);
         if (pool->stop)
             break;
-        seen = pool->run;
+        const int n_wanted = --pool->n_wanted;
+        pool->n_busy++;
         pthread_mutex_unlock(&pool->lock);
+        call_some(pool, n_wanted);
         work(pool, self->index);
         pthread_mutex_lock(&pool->lock);
+        pool->n_wanted = 0;
         if (--pool->n_busy == 0)
             pthread_cond_signal(&pool->idle);
     }
@@ -234,22 +246,23 @@ lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context,
 {
     if (n_items <= 0)
         return LF_OK;
+    const int n_wanted = n_items - 1 < pool->n_started ? n_items - 1 : pool->n_started;
     pthread_mutex_lock(&pool->lock);
     pool->fn = fn;
     pool->context = context;
     pool->cancel = cancel;
     pool->n_items = n_items;
     atomic_store_explicit(&pool->next, 0, memory_order_relaxed);
-    pool->n_busy = pool->n_started;
-    pool->run++;
-    pthread_cond_broadcast(&pool->wake);
+    pool->n_wanted = n_wanted;
     pthread_mutex_unlock(&pool->lock);
+    call_some(pool, n_wanted);
 
     unsigned int before = flush_denormals();
     work(pool, 0);
     restore_denormals(before);
 
     pthread_mutex_lock(&pool->lock);
+    pool->n_wanted = 0;
     while (pool->n_busy > 0)
         pthread_cond_wait(&pool->idle, &pool->lock);
     int64_t handed_out = atomic_load_explicit(&pool->next, memory_order_relaxed);

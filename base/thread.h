@@ -48,7 +48,10 @@ int lf_pool_threads(const lf_pool *pool);
 
 /* Runs fn for items 0..n_items-1, each at most once, started in rising order. Returns when all
  * started items have ended. Once cancel (may be NULL) is set, no further item starts. LF_OK, or
- * LF_E_CANCELLED if items were skipped. Does not allocate. Thread: one run at a time per pool. */
+ * LF_E_CANCELLED if items were skipped. Does not allocate. Thread: one run at a time per pool.
+ *
+ * Threads wake each other, two by two, while items are left. So a run with few or short items wakes
+ * few of them, and one item runs on the caller alone. */
 LF_NODISCARD lf_status lf_pool_run(lf_pool *pool, int n_items, lf_pool_fn fn, void *context,
                                    const lf_cancel *cancel);
 

@@ -162,9 +162,11 @@ static lf_status open_one(lf_outfile *file, const lf_output_request *request, in
         lf_status status = path ? lf_outfile_open(file, path, request->overwrite, err)
                                 : lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
         lf_free(path);
+        file->pool = request->pool;
         return status;
     }
     lf_status status = lf_outfile_adopt(file, request->fds[i], err);
+    file->pool = request->pool;
     if (status != LF_OK)
         close(request->fds[i]);
     return status;

@@ -31,7 +31,7 @@ static lf_to_show to_show(const lf_answered_row *o)
 /* The divisor of N for both halves. */
 static float weight_of(const lf_answered_row *o, const lf_pixel_found *both, size_t i)
 {
-    const lf_pixels *pixels = &o->scratch->rows[0];
+    const lf_pixels *pixels = &o->scratch->row;
     const lf_film_row *state = &o->film->rows[o->row];
     return lf_pixel_found_weight(o->film, both, pixels->second[i],
                                  pixels->q[i] * (float)(state->n[0] + state->n[1]));
@@ -43,7 +43,7 @@ static void mix_bounded(const lf_answered_row *o, size_t i, const lf_fitted *x, 
     lf_bright_pixel bright;
     lf_pixel_found both = x->found[0];
     lf_pixel_found_join(&both, &x->found[1]);
-    lf_bright_split(o->r, &o->scratch->rows[0], o->row, i, x, &bright);
+    lf_bright_split(o->r, &o->scratch->row, o->row, i, x, &bright);
     if (!(bright.share > 0.0f))
         return;
     for (int c = 0; c < 3; c++) {
@@ -56,7 +56,7 @@ static void mix_bounded(const lf_answered_row *o, size_t i, const lf_fitted *x, 
 
 void lf_answer_pixel(const lf_answered_row *o, size_t i, lf_pixel_found out_found[2], float out[3])
 {
-    const lf_pixels *pixels = &o->scratch->rows[0];
+    const lf_pixels *pixels = &o->scratch->row;
     lf_fitted x;
     lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
     for (int h = 0; h < 2; h++) {
@@ -85,7 +85,7 @@ static void add_lacking(const lf_answered_row *o, float (*out)[3])
             continue;
         for (int column = 0; column < width; column++) {
             const size_t i = (size_t)k * (size_t)width + (size_t)column;
-            if (lf_pixel_is_fitted(&o->scratch->rows[0], i))
+            if (lf_pixel_is_fitted(&o->scratch->row, i))
                 for (int c = 0; c < 3; c++)
                     out[i][c] *= times[column][c];
         }
@@ -99,7 +99,7 @@ static void answer_row(const lf_answered_row *o, float (*out)[3])
 {
     const lf_film *film = o->film;
     const lf_film_known *known = lf_film_known_at(film, o->row);
-    const lf_pixels *pixels = &o->scratch->rows[0];
+    const lf_pixels *pixels = &o->scratch->row;
     const lf_to_show in = to_show(o);
     const size_t n = (size_t)film->n_views * (size_t)film->width;
     o->r->kernels->show(&in, pixels, o->scratch->predicted, (int)n, out);
@@ -211,7 +211,7 @@ static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels,
 static void predict(const lf_answered_row *o, const lf_reconstruction *r,
                     lf_reconstruct_scratch *scratch, int first, int n)
 {
-    const lf_pixels *pixels = &o->scratch->rows[0];
+    const lf_pixels *pixels = &o->scratch->row;
     r->kernels->predict(&scratch->table, pixels, first, n, scratch->predicted + first);
     for (int i = first; i < first + n; i++)
         if (scratch->predicted[i][3] < 0.0f && lf_pixel_is_fitted(pixels, (size_t)i))
@@ -239,10 +239,10 @@ lf_status lf_answer_open(lf_reconstruction *r, const lf_film *film, int row, lf_
         status = lf_table_make(&out->scratch->table, r, row, LF_BOTH);
     if (status == LF_OK && out->bounded)
         status = lf_table_make(&out->bounded->table, r->bounded, row, LF_BOTH);
-    if (status == LF_OK && !lf_pixels_read(&out->scratch->rows[0], r, film, row, what))
+    if (status == LF_OK && !lf_pixels_read(&out->scratch->row, r, film, row, what))
         status = LF_E_STATE;
     if (status == LF_OK)
-        out->halves = lf_row_halves_of(film, row, (const float(*)[3])out->scratch->rows[0].albedo);
+        out->halves = lf_row_halves_of(film, row, (const float(*)[3])out->scratch->row.albedo);
     return status;
 }
 

@@ -115,8 +115,8 @@ static lf_status visit_band(lf_reconstruction *r, const lf_film *film, int numbe
         return LF_E_NOMEM;
     for (int row = first; row < end && row < film->height; row++)
         if (lf_film_visited(film->rows[row].visits) &&
-            lf_pixels_read(&scratch->rows[0], r, film, row, LF_READ_SUMMED))
-            visit_row(r, film, &scratch->rows[0], row, number, visit);
+            lf_pixels_read(&scratch->row, r, film, row, LF_READ_SUMMED))
+            visit_row(r, film, &scratch->row, row, number, visit);
     lf_scratch_give(r, scratch);
     return LF_OK;
 }

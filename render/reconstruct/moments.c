@@ -155,17 +155,16 @@ static lf_status begin_band(lf_band *band, lf_range z)
                           : lf_band_begin(band, z.low, z.high - z.low + 1);
 }
 
-/* Lists the cells of the fitted pixels of some rows; neighbours in one cell are listed once. */
-static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_cell_at *out)
+/* Lists the cells of a row's fitted pixels, n of them; neighbours in one cell are listed once. */
+static size_t list_places(const lf_pixels *pixels, size_t n, lf_cell_at *out)
 {
     size_t listed = 0;
-    for (int j = 0; j < n_rows; j++)
-        for (size_t i = 0; i < n; i++) {
-            const lf_cell_at here = {rows[j].u[i], rows[j].z[i]};
-            if (lf_pixel_is_fitted(&rows[j], i) &&
-                (listed == 0 || here.u != out[listed - 1].u || here.z != out[listed - 1].z))
-                out[listed++] = here;
-        }
+    for (size_t i = 0; i < n; i++) {
+        const lf_cell_at here = {pixels->u[i], pixels->z[i]};
+        if (lf_pixel_is_fitted(pixels, i) &&
+            (listed == 0 || here.u != out[listed - 1].u || here.z != out[listed - 1].z))
+            out[listed++] = here;
+    }
     return listed;
 }
 
@@ -185,27 +184,29 @@ static lf_status make_band(lf_band *band, const lf_cell_at *places, size_t n)
     return status == LF_OK ? lf_band_reserve(band) : status;
 }
 
+/* Reads rows twice: a thread with memory for all rows of a band would take eight times as much. */
 lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
                             lf_reconstruct_scratch *scratch)
 {
     lf_band *band = &r->level[0].bands[number];
-    size_t n = (size_t)film->n_views * (size_t)film->width;
-    int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
+    lf_pixels *pixels = &scratch->row;
+    const size_t n = (size_t)film->n_views * (size_t)film->width;
+    const int first = number * LF_CELL_SIDE,
+              end = first + LF_CELL_SIDE < film->height ? first + LF_CELL_SIDE : film->height;
     lf_status status = LF_OK;
-    for (int i = first; i < first + LF_CELL_SIDE && i < film->height && status == LF_OK; i++) {
+    size_t listed = 0;
+    for (int row = first; row < end && status == LF_OK; row++) {
         if (!r->whole)
-            status = lf_second_keep(r, film, i);
-        if (status == LF_OK &&
-            lf_pixels_read(&scratch->rows[n_rows], r, film, i,
-                           lf_film_visited(film->rows[i].visits) ? LF_READ_HALVES : LF_READ_ALL))
-            row[n_rows++] = i;
+            status = lf_second_keep(r, film, row);
+        if (status == LF_OK && lf_pixels_read(pixels, r, film, row, LF_READ_PLACES))
+            listed += list_places(pixels, n, scratch->places + listed);
     }
     if (status == LF_OK)
-        status = make_band(band, scratch->places,
-                           list_places(scratch->rows, n_rows, n, scratch->places));
-    for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
-        if (lf_film_visited(film->rows[row[j]].visits))
-            add_row(band, r, film, &scratch->rows[j], row[j]);
+        status = make_band(band, scratch->places, listed);
+    for (int row = first; row < end && status == LF_OK && band->n > 0; row++)
+        if (lf_film_visited(film->rows[row].visits) &&
+            lf_pixels_read(pixels, r, film, row, LF_READ_HALVES))
+            add_row(band, r, film, pixels, row);
     return status;
 }
 

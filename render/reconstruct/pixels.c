@@ -114,7 +114,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
                     lf_reading what)
 {
     const lf_film_row *state = &film->rows[row];
-    const lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
+    const lf_packed_albedo *albedo = what != LF_READ_PLACES ? lf_film_albedo_at(film, row) : NULL;
     double n[2];
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
@@ -124,11 +124,10 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
     lf_film_row_known(state, n);
     if (!(n[0] + n[1] > 0.0))
         return false;
-    if (film->layout.has_w2)
+    if (film->layout.has_w2 && what != LF_READ_PLACES)
         read_second(r, film, row, pixels->second);
     for (int k = 0; k < film->n_views; k++) {
-        const bool summed = lf_view_is_fitted(r, row, k);
-        if (what == LF_READ_SUMMED && !summed)
+        if (what >= LF_READ_SUMMED && !lf_view_is_fitted(r, row, k))
             continue;
         in.first = k * film->width;
         in.view = (float)k / (float)film->n_views - 0.5f;
@@ -140,9 +139,9 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
             in.share[h] = (float)(n[h] / (n[0] + n[1]));
         }
         in.albedo = albedo ? albedo + in.first : NULL;
-        r->kernels->read(&in, what == LF_READ_HALVES && summed, pixels);
-        if (pixels->albedo)
-            read_albedo(&in, what == LF_READ_HALVES && summed, pixels);
+        r->kernels->read(&in, what == LF_READ_HALVES, pixels);
+        if (pixels->albedo && what != LF_READ_PLACES)
+            read_albedo(&in, what == LF_READ_HALVES, pixels);
     }
     return true;
 }

@@ -10,10 +10,10 @@ LF_NODISCARD lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out);
 /* Accepts a zeroed struct. */
 void lf_pixels_finish(lf_pixels *pixels);
 
-/* Data to read of a row. LF_READ_ALL: the features of both halves together, of all views.
- * LF_READ_SUMMED: only of views with lf_view_is_fitted; the others are undefined. LF_READ_HALVES:
- * of all views, and of views with lf_view_is_fitted also for each half. */
-typedef enum lf_reading { LF_READ_ALL, LF_READ_SUMMED, LF_READ_HALVES } lf_reading;
+/* Data to read of a row. LF_READ_PLACES: q, u and z of all views. LF_READ_ALL: also the features of
+ * both halves together. LF_READ_SUMMED: the same only of views with lf_view_is_fitted, and of other
+ * views it is undefined. LF_READ_HALVES: as LF_READ_SUMMED, and the features of each half. */
+typedef enum lf_reading { LF_READ_PLACES, LF_READ_ALL, LF_READ_SUMMED, LF_READ_HALVES } lf_reading;
 
 /* false: the row has no visit. */
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,

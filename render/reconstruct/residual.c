@@ -60,7 +60,7 @@ static lf_residual_tile *tile_at(const lf_reconstruction *r, int level, int view
 static void add_pixel(lf_residual_sums *sums, const lf_answered_row *o, size_t i)
 {
     const lf_film_known *known = lf_film_known_at(o->film, o->row);
-    const float q = o->scratch->rows[0].q[i];
+    const float q = o->scratch->row.q[i];
     lf_pixel_found found[2];
     float shown[3];
     lf_answer_pixel(o, i, found, shown);
@@ -84,7 +84,7 @@ static void add_row(const lf_reconstruction *r, const lf_answered_row *o, int nu
         lf_answer_predict(o, k * width, width);
         for (int i = 0; i < width; i++) {
             const size_t at = (size_t)k * (size_t)width + (size_t)i;
-            if (lf_pixel_is_fitted(&o->scratch->rows[0], at))
+            if (lf_pixel_is_fitted(&o->scratch->row, at))
                 add_pixel(&tile_at(r, 0, k, number, i / LF_RESIDUAL_SIDE)->sums, o, at);
         }
     }

@@ -4,24 +4,21 @@
 
 static void destroy(lf_reconstruct_scratch *s)
 {
-    for (int i = 0; i < LF_CELL_SIDE; i++)
-        lf_pixels_finish(&s->rows[i]);
+    lf_pixels_finish(&s->row);
     lf_table_finish(&s->table);
     lf_free(s->predicted);
     lf_free(s->times);
-    lf_free(s->places);
+    lf_pages_free(s->places);
     lf_free(s);
 }
 
 static lf_reconstruct_scratch *create(size_t n, bool albedo)
 {
     lf_reconstruct_scratch *s = lf_calloc(1, sizeof *s);
-    bool whole = s;
-    for (int i = 0; i < LF_CELL_SIDE && whole; i++)
-        whole = lf_pixels_init(n, albedo, &s->rows[i]) == LF_OK;
+    bool whole = s && lf_pixels_init(n, albedo, &s->row) == LF_OK;
     if (whole) {
         s->predicted = lf_calloc(n, sizeof *s->predicted);
-        s->places = lf_calloc(LF_CELL_SIDE * n, sizeof *s->places);
+        s->places = lf_pages(LF_CELL_SIDE * n, sizeof *s->places);
         s->times = lf_calloc(n, sizeof *s->times);
         whole = s->predicted && s->places && s->times;
     }

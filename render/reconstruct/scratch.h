@@ -10,11 +10,12 @@ typedef struct lf_cell_at {
 } lf_cell_at;
 
 typedef struct lf_reconstruct_scratch {
-    lf_pixels rows[LF_CELL_SIDE];
+    lf_pixels row;
     lf_row_table table;
     float (*predicted)[4]; /* [view][column] */
     float (*times)[3];     /* [column] */
-    lf_cell_at *places;    /* [LF_CELL_SIDE][view][column], only as many as needed */
+    /* [LF_CELL_SIDE][view][column], of which only the first are used: lf_pages */
+    lf_cell_at *places;
     struct lf_reconstruct_scratch *next;
 } lf_reconstruct_scratch;
 

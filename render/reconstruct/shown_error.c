@@ -181,7 +181,7 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
                               const lf_row_scratch *s, lf_shown_row *out)
 {
     const lf_film_row *state = &film->rows[row];
-    lf_pixels *pixels = &s->whole[0]->rows[0];
+    lf_pixels *pixels = &s->whole[0]->row;
     if (!(state->n[0] > 0.0 && state->n[1] > 0.0) ||
         !lf_pixels_read(pixels, r, film, row, LF_READ_HALVES))
         return LF_E_STATE;

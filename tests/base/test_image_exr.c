@@ -1,9 +1,11 @@
 /* Pictures as OpenEXR files: ours, and those of the C++ library and of the Core. */
 #include "tests/base/pictures.h"
 
+#include <fcntl.h>
 #include <openexr.h>
 
 #include "base/alloc.h"
+#include "base/thread.h"
 
 static void an_exr_comes_back_bit_for_bit(void **state)
 {
@@ -69,6 +71,40 @@ static float half_of(float value)
     ImfHalf half;
     ImfFloatToHalf(value, &half);
     return ImfHalfToFloat(half);
+}
+
+/* 34 chunks, the last of 3 lines: more than are compressed at once. */
+static void threads_write_the_bytes_of_one(void **state)
+{
+    const char *path = lf_test_path(*state, "threads.exr");
+    lf_image32 image = {0};
+    size_t n, other;
+    assert_int_equal(lf_image32_init(&image, 37, 33 * 16 + 3, 3), LF_OK);
+    for (int i = 0; i < 37 * image.height * 3; i++)
+        image.data[i] = lf_picture_smooth(i / 3 % 37, i / 3 / 37, i % 3);
+    lf_picture_save_exr(path, &image, NULL, 0);
+    char *alone = lf_picture_bytes(path, &n);
+    for (int threads = 1; threads <= 7; threads += threads == 1 ? 1 : 5) {
+        lf_error err;
+        lf_pool *pool;
+        lf_outfile file;
+        lf_assert_ok(lf_pool_create(threads, &pool), NULL);
+        lf_assert_ok(lf_outfile_open(&file, path, true, &err), &err);
+        file.pool = pool;
+        lf_assert_ok(lf_exr_write(&file, &image, NULL, 0, &err), &err);
+        lf_assert_ok(lf_outfile_commit(&file, true, &err), &err);
+        char *together = lf_picture_bytes(path, &other);
+        assert_int_equal(other, n);
+        assert_memory_equal(together, alone, n);
+        lf_free(together);
+        file = (lf_outfile){.fd = open("/dev/full", O_WRONLY | O_CLOEXEC), .borrowed = true};
+        file.pool = pool;
+        lf_assert_status(lf_exr_write(&file, &image, NULL, 0, &err), LF_E_IO, &err);
+        lf_outfile_abandon(&file);
+        lf_pool_destroy(pool);
+    }
+    lf_free(alone);
+    lf_image32_finish(&image);
 }
 
 /* What make_half_exr put into the data window, and black around it. */
@@ -306,6 +342,7 @@ static void what_is_not_finite_is_clamped(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_write_the_bytes_of_one),
         cmocka_unit_test(an_exr_comes_back_bit_for_bit),
         cmocka_unit_test(blocks_whose_compressed_bytes_are_as_many_as_the_plain_come_back),
         cmocka_unit_test(every_compression_is_read_in_lines_and_tiles),

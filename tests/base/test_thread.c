@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/resource.h>
 
 #include "base/alloc.h"
 #include "base/thread.h"
@@ -16,7 +17,7 @@ typedef struct job {
     lf_cancel cancel;
     int cancel_at;
     volatile float least, denormal; /* the smallest normal number, and half of it */
-    atomic_int arrived;
+    atomic_int arrived, expected;
     atomic_int denormals_kept, signals_open;
 } job;
 
@@ -126,6 +127,52 @@ static void thread_counts_have_limits_and_a_default(void **state)
     lf_pool_destroy(pool);
 }
 
+/* Nobody goes on before all have come: a worker that never works would hang here. */
+static void wait_for_all(void *context, int item, int worker)
+{
+    job *j = context;
+    (void)item;
+    if (atomic_fetch_add(&j->seen_workers[worker], 1) == 0)
+        atomic_fetch_add(&j->arrived, 1);
+    while (atomic_load(&j->arrived) < j->expected)
+        sched_yield();
+}
+
+static void all_threads_join_a_run_that_has_an_item_for_each(void **state)
+{
+    (void)state;
+    lf_pool *pool;
+    job *j = start(33, &pool);
+    for (int round = 0; round < 5; round++) {
+        memset(j->seen_workers, 0, sizeof j->seen_workers);
+        atomic_store(&j->arrived, 0);
+        atomic_store(&j->expected, 33 - round);
+        lf_assert_ok(lf_pool_run(pool, 33 - round, wait_for_all, j, NULL), NULL);
+        assert_int_equal(atomic_load(&j->arrived), 33 - round);
+    }
+    end(pool, j);
+}
+
+static long times_slept(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_nvcsw;
+}
+
+static void a_run_of_one_item_wakes_nobody(void **state)
+{
+    (void)state;
+    lf_pool *pool;
+    job *j = start(9, &pool);
+    const long before = times_slept();
+    for (int i = 0; i < 1000; i++)
+        lf_assert_ok(lf_pool_run(pool, 1, mark, j, NULL), NULL);
+    assert_in_range(times_slept() - before, 0, 99);
+    assert_int_equal(atomic_load(&j->seen_workers[0]), 1000);
+    end(pool, j);
+}
+
 /* Half the smallest normal number is denormal: kept, it is not zero, neither as a result nor as
  * what is read. */
 static void look_around(void *context, int item, int worker)
@@ -139,11 +186,7 @@ static void look_around(void *context, int item, int worker)
     pthread_sigmask(SIG_BLOCK, NULL, &blocked);
     if (worker != 0 && (sigismember(&blocked, SIGTERM) != 1 || sigismember(&blocked, SIGHUP) != 1))
         atomic_fetch_add(&j->signals_open, 1);
-    /* nobody goes on before all four have come: a worker that never works would hang here */
-    if (atomic_fetch_add(&j->seen_workers[worker], 1) == 0)
-        atomic_fetch_add(&j->arrived, 1);
-    while (atomic_load(&j->arrived) < 4)
-        sched_yield();
+    wait_for_all(j, item, worker);
 }
 
 static void workers_flush_denormals_and_leave_signals_alone(void **state)
@@ -153,6 +196,7 @@ static void workers_flush_denormals_and_leave_signals_alone(void **state)
     job *j = start(4, &pool);
     j->least = 1.1754944e-38f;
     j->denormal = j->least * 0.5f;
+    atomic_store(&j->expected, 4);
     lf_assert_ok(lf_pool_run(pool, 40, look_around, j, NULL), NULL);
 #if defined(__SSE__) || defined(__aarch64__)
     assert_int_equal(atomic_load(&j->denormals_kept), 0);
@@ -289,6 +333,8 @@ int main(void)
         cmocka_unit_test(a_cancelled_run_leaves_items_out_and_says_so),
         cmocka_unit_test(an_empty_run_is_fine),
         cmocka_unit_test(thread_counts_have_limits_and_a_default),
+        cmocka_unit_test(all_threads_join_a_run_that_has_an_item_for_each),
+        cmocka_unit_test(a_run_of_one_item_wakes_nobody),
         cmocka_unit_test(workers_flush_denormals_and_leave_signals_alone),
         cmocka_unit_test(a_run_does_not_allocate),
         cmocka_unit_test(a_started_thread_has_its_name_its_stack_and_no_signals),
