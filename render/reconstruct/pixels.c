@@ -114,7 +114,6 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
                     lf_reading what)
 {
     const lf_film_row *state = &film->rows[row];
-    const lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
     double n[2];
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
@@ -126,6 +125,8 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
         return false;
     if (film->layout.has_w2)
         read_second(r, film, row, pixels->second);
+    lf_film_open(film, row);
+    const lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
     for (int k = 0; k < film->n_views; k++) {
         const bool summed = lf_view_is_fitted(r, row, k);
         if (what == LF_READ_SUMMED && !summed)
@@ -144,6 +145,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
         if (pixels->albedo)
             read_albedo(&in, what == LF_READ_HALVES && summed, pixels);
     }
+    lf_film_close(film, row, false);
     return true;
 }
 
