@@ -161,6 +161,11 @@ lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings
     return LF_OK;
 }
 
+void lf_renderer_release(lf_renderer *renderer)
+{
+    lf_film_release(&renderer->film);
+}
+
 void lf_renderer_destroy(lf_renderer *renderer)
 {
     if (!renderer)

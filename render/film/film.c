@@ -143,10 +143,17 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     return lf_film_init_packed(film, layout, 0);
 }
 
-void lf_film_finish(lf_film *film)
+void lf_film_release(lf_film *film)
 {
     lf_pages_free(film->data);
     lf_film_packed_destroy(film->packed);
+    film->data = NULL;
+    film->packed = NULL;
+}
+
+void lf_film_finish(lf_film *film)
+{
+    lf_film_release(film);
     for (int i = 0; i < film->n_allocated; i++)
         lf_free(film->streams[i].rows);
     lf_free(film->streams);
@@ -336,6 +343,10 @@ static void merge_known(lf_film_known *known, const lf_film_sums *sums, size_t p
                         const lf_merge_shares *s, uint32_t random)
 {
     float difference[3];
+    /* most pixels know the same in every visit */
+    if (known->difference == 0 && !sums->native &&
+        memcmp(known->b, sums->known[pixel], sizeof known->b) == 0)
+        return;
     lf_difference_unpack(known->difference, difference);
     for (int c = 0; c < 3; c++) {
         double x = (double)sums->known[pixel][c];

@@ -169,6 +169,8 @@ LF_NODISCARD lf_status lf_film_init_packed(lf_film *film, const lf_film_layout *
 /* Films from this size on are packed. Only tests change it. */
 extern size_t lf_film_packed_from;
 void lf_film_finish(lf_film *film);
+/* Releases the numbers of all rows; the counts stay. Then no row may be opened. */
+void lf_film_release(lf_film *film);
 /* A row's numbers may be read and changed from open to close. changed: they were. Functions that
  * take a film and a row open that row. Thread: any. */
 void lf_film_open(const lf_film *film, int row);

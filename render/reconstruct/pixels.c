@@ -11,7 +11,7 @@ enum { ARRAYS = LF_FEATURES + 2 * (LF_FEATURES - 2) + 1 };
 
 lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out)
 {
-    out->data = lf_calloc(ARRAYS * n, sizeof *out->data);
+    out->data = lf_pages(ARRAYS * n, sizeof *out->data);
     out->cells = lf_calloc(2 * n, sizeof *out->cells);
     out->second = lf_calloc(n, sizeof *out->second);
     out->albedo = albedo ? lf_calloc(n, sizeof *out->albedo) : NULL;
@@ -33,7 +33,7 @@ lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out)
 
 void lf_pixels_finish(lf_pixels *pixels)
 {
-    lf_free(pixels->data);
+    lf_pages_free(pixels->data);
     lf_free(pixels->cells);
     lf_free(pixels->second);
     lf_free(pixels->albedo);

@@ -9,7 +9,7 @@ static void destroy(lf_reconstruct_scratch *s)
     lf_table_finish(&s->table);
     lf_free(s->predicted);
     lf_free(s->times);
-    lf_free(s->places);
+    lf_pages_free(s->places);
     lf_free(s);
 }
 
@@ -21,7 +21,7 @@ static lf_reconstruct_scratch *create(size_t n, bool albedo)
         whole = lf_pixels_init(n, albedo, &s->rows[i]) == LF_OK;
     if (whole) {
         s->predicted = lf_calloc(n, sizeof *s->predicted);
-        s->places = lf_calloc(LF_CELL_SIDE * n, sizeof *s->places);
+        s->places = lf_pages(LF_CELL_SIDE * n, sizeof *s->places);
         s->times = lf_calloc(n, sizeof *s->times);
         whole = s->predicted && s->places && s->times;
     }
