@@ -110,7 +110,9 @@ size_t lf_film_packed_from = (size_t)128 << 20;
 static bool make_data(lf_film *film, int n_threads)
 {
     if (n_threads > 0 && film->data_bytes >= lf_film_packed_from) {
-        film->packed = lf_film_packed_create(film->row_bytes, film->height, n_threads);
+        const lf_pack_planes planes = {pixels_of(&film->layout), half_bytes(&film->layout),
+                                       film->layout.has_w2, film->layout.has_features};
+        film->packed = lf_film_packed_create(&planes, film->row_bytes, film->height, n_threads);
         return film->packed;
     }
     /* Mapped, so that rows use memory only from the first visit on of the row, or of a row within

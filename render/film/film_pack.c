@@ -21,7 +21,9 @@ typedef struct lf_row_memory {
 } lf_row_memory;
 
 struct lf_film_packed {
+    lf_pack_planes planes;
     size_t row_bytes, lines, room; /* of a row: open, the same in lines, packed */
+    size_t open_bytes;             /* of an open row and what it is arranged with */
     unsigned char *data;           /* [height][room] */
     size_t *bytes;                 /* [height] packed; 0: undefined */
     size_t *touched;               /* [height] */
@@ -39,7 +41,7 @@ static bool make(lf_film_packed *p)
 {
     const size_t height = (size_t)p->height, n = (size_t)p->n_open;
     p->data = lf_pages(height, p->room);
-    p->memory = lf_pages(n, p->row_bytes);
+    p->memory = lf_pages(n, p->open_bytes);
     p->bytes = lf_calloc(height, sizeof *p->bytes);
     p->touched = lf_calloc(height, sizeof *p->touched);
     p->at = lf_calloc(height, sizeof *p->at);
@@ -49,17 +51,20 @@ static bool make(lf_film_packed *p)
         return false;
     lf_advise_small(p->data, height * p->room);
     for (size_t i = 0; i < n; i++)
-        p->open[i].data = p->memory + i * p->row_bytes;
+        p->open[i].data = p->memory + i * p->open_bytes;
     return true;
 }
 
-lf_film_packed *lf_film_packed_create(size_t row_bytes, int height, int n_threads)
+lf_film_packed *lf_film_packed_create(const lf_pack_planes *planes, size_t row_bytes, int height,
+                                      int n_threads)
 {
     lf_film_packed *p = lf_calloc(1, sizeof *p);
     if (!p)
         return NULL;
     const size_t page = 4096;
+    p->planes = *planes;
     p->row_bytes = row_bytes;
+    p->open_bytes = row_bytes + (lf_pack_spare(planes) + 63) / 64 * 64;
     p->lines = row_bytes / LF_PACK_LINE;
     p->room = (lf_pack_most(p->lines) + page - 1) / page * page;
     p->height = height;
@@ -134,8 +139,10 @@ static void unpack(lf_film_packed *p, lf_row_memory *o, int row)
     o->busy = true;
     p->open_of[row] = (int)(o - p->open);
     pthread_mutex_unlock(&p->lock);
-    if (p->bytes[row] > 0)
+    if (p->bytes[row] > 0) {
         lf_unpack_lines(p->data + (size_t)row * p->room, p->lines, o->data);
+        lf_pack_restore(&p->planes, o->data, o->data + p->row_bytes, false);
+    }
     pthread_mutex_lock(&p->lock);
     o->busy = false;
     p->at[row] = o->data;
@@ -163,7 +170,9 @@ void lf_film_packed_open(lf_film_packed *packed, int row)
 static void pack(lf_film_packed *p, int row, const lf_row_memory *o)
 {
     unsigned char *to = p->data + (size_t)row * p->room;
+    lf_pack_arrange(&p->planes, o->data, o->data + p->row_bytes);
     const size_t n = lf_pack_lines(o->data, p->lines, to);
+    lf_pack_restore(&p->planes, o->data, o->data + p->row_bytes, true);
     p->bytes[row] = n;
     if (n >= p->touched[row]) {
         p->touched[row] = n;

@@ -55,6 +55,50 @@ static void lines_are_unpacked_as_they_were(void **state)
     lf_free(packed);
 }
 
+/* W' where it is W becomes 0, and equal features become lines of equal bytes. */
+static void rows_are_arranged_and_restored(void **state)
+{
+    (void)state;
+    enum { N = 96, HALF = N * 32 };
+    const lf_pack_planes planes = {N, HALF, true, true};
+    const size_t spare_bytes = lf_pack_spare(&planes);
+    assert_int_equal(spare_bytes, 2 * N * sizeof(lf_packed_feature));
+    float *row = lf_calloc(2, HALF), *before = lf_calloc(2, HALF);
+    unsigned char *spare = lf_calloc(1, spare_bytes);
+    assert_true(row && before && spare);
+    for (int h = 0; h < 2; h++) {
+        float *half = row + (size_t)h * HALF / sizeof *row, *w2 = half + 4 * N, *q = w2 + N;
+        lf_packed_feature *features = (lf_packed_feature *)(void *)(q + N);
+        for (size_t i = 0; i < N; i++) {
+            half[4 * i + 3] = (float)i + 0.25f;
+            w2[i] = i < N / 2 ? half[4 * i + 3] : 7.0f;
+            q[i] = 0.5f;
+            features[i] = (lf_packed_feature){(uint16_t)i, 3, 65535, (uint16_t)(h + 1)};
+        }
+    }
+    memcpy(before, row, (size_t)2 * HALF);
+    lf_pack_arrange(&planes, (unsigned char *)row, spare);
+    for (int h = 0; h < 2; h++) {
+        const float *w2 = row + (size_t)h * HALF / sizeof *row + 4 * N;
+        const uint16_t *numbers = (const uint16_t *)(const void *)(w2 + 2 * N);
+        for (size_t i = 0; i < N; i++) {
+            assert_true((w2[i] == 0.0f) == (i < N / 2));
+            lf_assert_close((double)w2[N + i], 0.5, 0, 0);
+            assert_true(numbers[i] == i && numbers[N + i] == 3 && numbers[2 * N + i] == 65535 &&
+                        numbers[3 * N + i] == h + 1);
+        }
+    }
+    for (int known = 1; known >= 0; known--) {
+        lf_pack_restore(&planes, (unsigned char *)row, spare, known);
+        assert_memory_equal(row, before, 2 * HALF);
+        lf_pack_arrange(&planes, (unsigned char *)row, spare);
+        memset(spare, known ? 0x77 : 0, spare_bytes);
+    }
+    lf_free(row);
+    lf_free(before);
+    lf_free(spare);
+}
+
 /* ----------------------------------------------------------------------------------- renders -- */
 
 enum { WIDTH = 12, HEIGHT = 40 };
@@ -239,6 +283,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_are_unpacked_as_they_were),
+        cmocka_unit_test(rows_are_arranged_and_restored),
         cmocka_unit_test(a_packed_film_is_the_same),
         cmocka_unit_test(packed_films_are_mixed),
         cmocka_unit_test(changes_of_shared_rows_are_kept),
