@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #define ALIGNMENT 64
 /* Smaller blocks gain too little from huge pages. */
@@ -23,6 +24,31 @@ bool lf_advise_huge(void *p, size_t bytes)
     (void)bytes;
     return false;
 #endif
+}
+
+/* For the whole pages of a range. */
+static void advise_whole(void *p, size_t bytes, int advice)
+{
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE),
+                    first = ((uintptr_t)p + page - 1) / page * page,
+                    end = ((uintptr_t)p + bytes) / page * page;
+    if (end > first)
+        (void)madvise((void *)first, end - first, advice);
+}
+
+void lf_advise_small(void *p, size_t bytes)
+{
+#ifdef MADV_NOHUGEPAGE
+    advise_whole(p, bytes, MADV_NOHUGEPAGE);
+#else
+    (void)p;
+    (void)bytes;
+#endif
+}
+
+void lf_pages_return(void *p, size_t bytes)
+{
+    advise_whole(p, bytes, MADV_DONTNEED);
 }
 
 void *lf_calloc(size_t n, size_t size)

@@ -40,6 +40,10 @@ void lf_trim(void);
  * byte. False: the range holds no whole huge page, or the system has none. */
 bool lf_advise_huge(void *p, size_t bytes);
 #define LF_HUGE_PAGE ((size_t)2 << 20)
+/* The opposite, for memory of which parts are returned. */
+void lf_advise_small(void *p, size_t bytes);
+/* Returns the whole pages in [p, p + bytes) of lf_pages to the system; they become zero. */
+void lf_pages_return(void *p, size_t bytes);
 
 /* Number of allocations by lf_calloc, lf_pages and lf_strdup in this process so far. */
 uint64_t lf_alloc_count(void);

@@ -286,6 +286,9 @@ LF_NODISCARD lf_status lf_renderer_create(lf_scene *scene, const lf_render_setti
                                           lf_pool *pool, lf_renderer **out_renderer, lf_error *err);
 /* Accepts NULL. */
 void lf_renderer_destroy(lf_renderer *renderer);
+/* Releases what has been rendered, most of the memory. Counts and fits stay. Afterwards only
+ * lf_renderer_stats, lf_renderer_settings, lf_renderer_scene, restart and destroy may be called. */
+void lf_renderer_release(lf_renderer *renderer);
 
 /* Starts again with another scene or camera. The film is empty; its memory is kept if the shapes
  * agree. On failure the renderer is as before. */

@@ -86,7 +86,9 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
         status = fresh->integrator->create(&input, index, &fresh->state, &fresh->needs, err);
     if (status == LF_OK) {
         fresh->keep_film = lf_film_has_layout(&r->film, &fresh->needs.layout);
-        status = fresh->keep_film ? LF_OK : lf_film_init(&fresh->film, &fresh->needs.layout);
+        status = fresh->keep_film ? LF_OK
+                                  : lf_film_init_packed(&fresh->film, &fresh->needs.layout,
+                                                        lf_pool_threads(r->pool));
     }
     if (status == LF_OK)
         status = lf_renderer_identify(scene, settings, fresh->name, fresh->picture);
@@ -157,6 +159,11 @@ lf_status lf_renderer_create(lf_scene *scene, const lf_render_settings *settings
     }
     *out_renderer = r;
     return LF_OK;
+}
+
+void lf_renderer_release(lf_renderer *renderer)
+{
+    lf_film_release(&renderer->film);
 }
 
 void lf_renderer_destroy(lf_renderer *renderer)

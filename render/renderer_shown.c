@@ -200,9 +200,13 @@ void lf_renderer_show_flags(const lf_renderer *renderer, int row, uint8_t *flags
     const lf_film *film = &renderer->film;
     const size_t n = (size_t)film->n_views * (size_t)film->width;
     memset(flags, lf_film_is_known(&film->rows[row]) ? 0 : LF_PIXEL_UNSEEN, n);
+    if (!film->rows[row].provisional)
+        return;
+    lf_film_open(film, row);
     const float *q = lf_film_at(film, row, 0).q;
-    for (size_t i = 0; i < n && film->rows[row].provisional; i++)
+    for (size_t i = 0; i < n; i++)
         flags[i] = q[i] < 0.0f ? LF_PIXEL_UNSEEN : 0;
+    lf_film_close(film, row, false);
 }
 
 typedef struct lf_show_job {

@@ -312,6 +312,8 @@ lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
         status = run_rows(r, &budget, is_grid ? film : r->film, is_grid ? layers : r->layers, err);
     lf_pages_free(film);
     lf_pages_free(layers);
+    if (status == LF_OK && !r->gathered && !r->sequence.on && !r->arguments->stats)
+        lf_renderer_release(r->renderer); /* writing takes memory, too */
     return status;
 }
 

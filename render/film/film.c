@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "render/film/film_difference.h"
+#include "render/film/film_pack.h"
 #include "render/film/film_round.h"
 #include "render/transport/sampler.h"
 
@@ -104,7 +105,25 @@ lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t number, int *
     return LF_OK;
 }
 
-lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
+size_t lf_film_packed_from = (size_t)128 << 20;
+
+static bool make_data(lf_film *film, int n_threads)
+{
+    if (n_threads > 0 && film->data_bytes >= lf_film_packed_from) {
+        const lf_pack_planes planes = {pixels_of(&film->layout), half_bytes(&film->layout),
+                                       film->layout.has_w2, film->layout.has_features};
+        film->packed = lf_film_packed_create(&planes, film->row_bytes, film->height, n_threads);
+        return film->packed;
+    }
+    /* Mapped, so that rows use memory only from the first visit on of the row, or of a row within
+     * LF_HUGE_PAGE. */
+    film->data = lf_pages(film->data_bytes, 1);
+    if (film->data && film->data_bytes >= HUGE_FROM)
+        (void)lf_advise_huge(film->data, film->data_bytes);
+    return film->data;
+}
+
+lf_status lf_film_init_packed(lf_film *film, const lf_film_layout *layout, int n_threads)
 {
     *film = (lf_film){.layout = *layout,
                       .n_views = layout->n_views,
@@ -113,12 +132,7 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     film->row_bytes = (lf_film_used_bytes(layout) + 63) / 64 * 64;
     film->data_bytes = film->row_bytes * (size_t)film->height;
     film->rows = lf_calloc((size_t)film->height, sizeof *film->rows);
-    /* Mapped, so that rows use memory only from the first visit on of the row, or of a row within
-     * LF_HUGE_PAGE. */
-    film->data = lf_pages(film->data_bytes, 1);
-    if (film->data && film->data_bytes >= HUGE_FROM)
-        (void)lf_advise_huge(film->data, film->data_bytes);
-    if (!film->data || !film->rows || make_room(film) != LF_OK) {
+    if (!make_data(film, n_threads) || !film->rows || make_room(film) != LF_OK) {
         lf_film_finish(film);
         return LF_E_NOMEM;
     }
@@ -126,9 +140,22 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     return LF_OK;
 }
 
-void lf_film_finish(lf_film *film)
+lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
+{
+    return lf_film_init_packed(film, layout, 0);
+}
+
+void lf_film_release(lf_film *film)
 {
     lf_pages_free(film->data);
+    lf_film_packed_destroy(film->packed);
+    film->data = NULL;
+    film->packed = NULL;
+}
+
+void lf_film_finish(lf_film *film)
+{
+    lf_film_release(film);
     for (int i = 0; i < film->n_allocated; i++)
         lf_free(film->streams[i].rows);
     lf_free(film->streams);
@@ -147,7 +174,7 @@ bool lf_film_same_layout(const lf_film_layout *a, const lf_film_layout *b)
 
 bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout)
 {
-    return film->data && lf_film_same_layout(&film->layout, layout);
+    return (film->data || film->packed) && lf_film_same_layout(&film->layout, layout);
 }
 
 bool lf_film_alike(const lf_film *film, const lf_film *b)
@@ -199,6 +226,26 @@ void lf_film_clear(lf_film *film)
     for (int row = 0; row < film->height; row++)
         film->rows[row] = (lf_film_row){.relative_error = -1.0};
     film->n_streams = 0;
+    if (film->packed)
+        lf_film_packed_clear(film->packed);
+}
+
+void lf_film_open(const lf_film *film, int row)
+{
+    if (film->packed)
+        lf_film_packed_open(film->packed, row);
+}
+
+void lf_film_close(const lf_film *film, int row, bool changed)
+{
+    if (film->packed)
+        lf_film_packed_close(film->packed, row, changed);
+}
+
+unsigned char *lf_film_row_at(const lf_film *film, int row)
+{
+    return film->packed ? lf_film_packed_row(film->packed, row)
+                        : film->data + (size_t)row * film->row_bytes;
 }
 
 /* The arrays of a half, consecutive from p on. */
@@ -217,20 +264,20 @@ static lf_film_half half_at(const lf_film_layout *layout, unsigned char *p)
 
 lf_film_half lf_film_at(const lf_film *film, int row, int half)
 {
-    return half_at(&film->layout, film->data + (size_t)row * film->row_bytes +
-                                      (size_t)half * half_bytes(&film->layout));
+    return half_at(&film->layout,
+                   lf_film_row_at(film, row) + (size_t)half * half_bytes(&film->layout));
 }
 
 lf_film_known *lf_film_known_at(const lf_film *film, int row)
 {
-    unsigned char *p = film->data + (size_t)row * film->row_bytes + 2 * half_bytes(&film->layout);
+    unsigned char *p = lf_film_row_at(film, row) + 2 * half_bytes(&film->layout);
     return film->layout.has_known ? (lf_film_known *)(void *)p : NULL;
 }
 
 lf_packed_albedo *lf_film_albedo_at(const lf_film *film, int row)
 {
     const lf_film_layout *l = &film->layout;
-    unsigned char *end = film->data + (size_t)row * film->row_bytes + lf_film_used_bytes(l);
+    unsigned char *end = lf_film_row_at(film, row) + lf_film_used_bytes(l);
     return l->has_albedo ? (lf_packed_albedo *)(void *)end - pixels_of(l) : NULL;
 }
 
@@ -298,6 +345,10 @@ static void merge_known(lf_film_known *known, const lf_film_sums *sums, size_t p
                         const lf_merge_shares *s, uint32_t random)
 {
     float difference[3];
+    /* most pixels know the same in every visit */
+    if (known->difference == 0 && !sums->native &&
+        memcmp(known->b, sums->known[pixel], sizeof known->b) == 0)
+        return;
     lf_difference_unpack(known->difference, difference);
     for (int c = 0; c < 3; c++) {
         double x = (double)sums->known[pixel][c];
@@ -331,7 +382,7 @@ bool lf_film_meet(lf_film *film, int row, bool any)
 static void clear_row(lf_film *film, int row)
 {
     if (!lf_film_visited(film->rows[row].visits))
-        memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+        memset(lf_film_row_at(film, row), 0, film->row_bytes);
 }
 
 /* n of the visits that were not coarse. */
@@ -397,7 +448,9 @@ static void count(lf_film *film, int stream, int row, int half, double passes)
 
 void lf_film_count(lf_film *film, int stream, int row, int half, double passes)
 {
+    lf_film_open(film, row);
     clear_row(film, row);
+    lf_film_close(film, row, !lf_film_visited(film->rows[row].visits));
     count(film, stream, row, half, passes);
 }
 
@@ -484,7 +537,7 @@ static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint
     }
 }
 
-void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes)
+static void put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes)
 {
     const uint32_t to_nearest = UINT32_C(1) << 31;
     const float inverse_weight = (float)(film->n_views / passes);
@@ -511,8 +564,15 @@ void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, d
     }
 }
 
-void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
-                   double passes, uint64_t key)
+void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes)
+{
+    lf_film_open(film, row);
+    put_provisional(film, row, sums, passes);
+    lf_film_close(film, row, true);
+}
+
+static void merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
+                  double passes, uint64_t key)
 {
     const double weight = passes / film->n_views;
     lf_film_row *state = &film->rows[row];
@@ -520,7 +580,7 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
     if (!sums->coarse)
         drop_coarse(film, row, half);
     const bool known = !sums->coarse || !(whole_visits(state, 0) + whole_visits(state, 1) > 0.0);
-    const lf_merge merge = {
+    const lf_merge all = {
         lf_film_at(film, row, half),
         sums,
         lf_film_at(film, row, 1 - half).q,
@@ -537,9 +597,17 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
         for (size_t k = 0; k < n; k++)
             random[k] = (uint32_t)(lf_hash64(key, column + k) >> 32);
         for (size_t view = 0; view < views; view++)
-            merge_span(&merge, view * width + column, n, random);
+            merge_span(&all, view * width + column, n, random);
     }
     count(film, stream, row, half, passes);
     state->coarse[half] += sums->coarse ? weight : 0.0;
     lf_film_lend_known(film, row);
+}
+
+void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_sums *sums,
+                   double passes, uint64_t key)
+{
+    lf_film_open(film, row);
+    merge(film, stream, row, half, sums, passes, key);
+    lf_film_close(film, row, true);
 }

@@ -141,6 +141,9 @@ uint64_t lf_film_visits_key(uint64_t seed, uint32_t number, const uint32_t visit
 
 #define LF_PICTURE_BYTES 32
 
+/* Rows of a large film, of which few are open (film_pack.h). */
+typedef struct lf_film_packed lf_film_packed;
+
 typedef struct lf_film {
     lf_film_layout layout;
     /* Identifies the image: films with the same bytes may be added. Set by the owner. */
@@ -148,16 +151,32 @@ typedef struct lf_film {
     int n_views, width, height; /* copies from the layout */
     float sky[3];               /* without has_known: the light of every escaping ray */
     size_t row_bytes;           /* both halves */
-    unsigned char *data;        /* mapped, [height][row_bytes] */
-    size_t data_bytes;
-    lf_film_row *rows;       /* [height] the sums over its streams */
-    lf_film_stream *streams; /* sorted by seed, then number */
+    unsigned char *data;        /* mapped, [height][row_bytes]; NULL: packed */
+    lf_film_packed *packed;     /* NULL: all rows are open */
+    size_t data_bytes;          /* of open rows */
+    lf_film_row *rows;          /* [height] the sums over its streams */
+    lf_film_stream *streams;    /* sorted by seed, then number */
     int n_streams, n_allocated;
 } lf_film;
 
 /* film must be zeroed or finished. sky is set to 0. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_init(lf_film *film, const lf_film_layout *layout);
+/* The same, for films that use much memory: rows are packed while no one has them open, if the film
+ * is large. No thread has more than four rows open at once, and the number of threads that open
+ * rows is n_threads and one more. */
+LF_NODISCARD lf_status lf_film_init_packed(lf_film *film, const lf_film_layout *layout,
+                                           int n_threads);
+/* Films from this size on are packed. Only tests change it. */
+extern size_t lf_film_packed_from;
 void lf_film_finish(lf_film *film);
+/* Releases the numbers of all rows; the counts stay. Then no row may be opened. */
+void lf_film_release(lf_film *film);
+/* A row's numbers may be read and changed from open to close. changed: they were. Functions that
+ * take a film and a row open that row. Thread: any. */
+void lf_film_open(const lf_film *film, int row);
+void lf_film_close(const lf_film *film, int row, bool changed);
+/* lf_film_used_bytes of an open row. */
+unsigned char *lf_film_row_at(const lf_film *film, int row);
 bool lf_film_same_layout(const lf_film_layout *a, const lf_film_layout *b);
 bool lf_film_has_layout(const lf_film *film, const lf_film_layout *layout);
 /* Whether b can be added to film: the layouts are equal, and the skies bitwise equal (the sums
@@ -185,6 +204,7 @@ const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, ui
 LF_NODISCARD lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err);
 /* Size of the used memory of a row: half 0, half 1, known light, albedo, 32 bits per number. */
 size_t lf_film_used_bytes(const lf_film_layout *layout);
+/* These are for open rows. */
 lf_film_half lf_film_at(const lf_film *film, int row, int half);
 /* NULL if B is not stored. */
 lf_film_known *lf_film_known_at(const lf_film *film, int row);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/film/film_pack.h"
 #include "render/film/film_part.h"
 
 /* ------------------------------------------------------------------------------------- write -- */
@@ -13,10 +14,12 @@ static lf_status write_row(const lf_film *film, int row, lf_outfile *file, uint3
 {
     unsigned char head[LF_FILM_ROW_BYTES];
     lf_film_row_put((uint32_t)row, &film->rows[row], head);
-    const lf_film_part whole = {"ROW ", head, sizeof head,
-                                film->data + (size_t)row * film->row_bytes,
+    lf_film_open(film, row);
+    const lf_film_part whole = {"ROW ", head, sizeof head, lf_film_row_at(film, row),
                                 lf_film_used_bytes(&film->layout)};
-    return lf_film_part_write(file, &whole, heads, err);
+    const lf_status status = lf_film_part_write(file, &whole, heads, err);
+    lf_film_close(film, row, false);
+    return status;
 }
 
 lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,
@@ -47,7 +50,8 @@ static lf_status read_empty(int fd, const lf_film *like, lf_film *out, uint32_t 
     const char *refusal = like ? lf_film_refusal(like, &given) : NULL;
     if (refusal)
         return lf_error_set(err, LF_E_STATE, "state", "the saved image is %s", refusal);
-    if (lf_film_init(out, &given.layout) != LF_OK)
+    const int n_threads = like && like->packed ? lf_film_packed_threads(like->packed) : 0;
+    if (lf_film_init_packed(out, &given.layout, n_threads) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "state", "not enough memory to read it");
     memcpy(out->picture, given.picture, sizeof given.picture);
     memcpy(out->sky, given.sky, sizeof given.sky);
@@ -73,18 +77,25 @@ static lf_status read_stream(int fd, const unsigned char head[LF_FILM_HEAD_BYTES
     return status;
 }
 
-/* Reads the next row. */
-static lf_status read_row(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], lf_film *film,
-                          int *row, lf_error *err)
+/* Moves what was read as one row to the row that it is. */
+static void move_row(const lf_film *film, int from, int to)
+{
+    if (from == to)
+        return;
+    lf_film_open(film, to);
+    memcpy(lf_film_row_at(film, to), lf_film_row_at(film, from), lf_film_used_bytes(&film->layout));
+    lf_film_close(film, to, true);
+}
+
+/* Reads the next row; that after *row is open. */
+static lf_status read_open(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], lf_film *film,
+                           int *row, lf_error *err)
 {
     unsigned char bytes[LF_FILM_ROW_BYTES];
     /* Read into the next row's memory, and moved when the number is known and valid: rows without
      * visits may contain anything. */
-    const lf_film_part whole = {"ROW ", bytes, sizeof bytes,
-                                film->data + (size_t)(*row + 1) * film->row_bytes,
+    const lf_film_part whole = {"ROW ", bytes, sizeof bytes, lf_film_row_at(film, *row + 1),
                                 lf_film_used_bytes(&film->layout)};
-    if (*row + 1 >= film->height)
-        return lf_error_set(err, LF_E_FORMAT, "state", "it has more rows than its layout");
     lf_status status = lf_film_part_read(fd, head, &whole, err);
     if (status != LF_OK)
         return status;
@@ -100,10 +111,22 @@ static lf_status read_row(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], 
             given[h] += film->streams[i].rows[number].visits[h];
     if (!lf_film_row_possible(&state) || given[0] != state.visits[0] || given[1] != state.visits[1])
         return lf_error_set(err, LF_E_FORMAT, "state", "row %u has invalid counts", number);
-    memmove(film->data + (size_t)number * film->row_bytes, whole.bulk, whole.n_bulk);
+    move_row(film, *row + 1, (int)number);
     film->rows[number] = state;
     *row = (int)number;
     return LF_OK;
+}
+
+static lf_status read_row(int fd, const unsigned char head[LF_FILM_HEAD_BYTES], lf_film *film,
+                          int *row, lf_error *err)
+{
+    const int next = *row + 1;
+    if (next >= film->height)
+        return lf_error_set(err, LF_E_FORMAT, "state", "it has more rows than its layout");
+    lf_film_open(film, next);
+    const lf_status status = read_open(fd, head, film, row, err);
+    lf_film_close(film, next, *row == next);
+    return status;
 }
 
 static lf_status read_rest(int fd, lf_film *film, uint32_t heads, lf_error *err)

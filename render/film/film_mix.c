@@ -106,6 +106,15 @@ static void add_stream(lf_film_stream *to, const lf_film_stream *from, int heigh
     }
 }
 
+static void copy_row(const lf_film *film, const lf_film *from, int row)
+{
+    lf_film_open(film, row);
+    lf_film_open(from, row);
+    memcpy(lf_film_row_at(film, row), lf_film_row_at(from, row), film->row_bytes);
+    lf_film_close(from, row, false);
+    lf_film_close(film, row, true);
+}
+
 /* Makes room for all that can fail. */
 static lf_status prepare(lf_film *film, const lf_film *from, lf_film_sum *out, lf_error *err)
 {
@@ -139,8 +148,7 @@ lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err)
             add_row(film, from, &sum, row);
             continue;
         }
-        memcpy(film->data + (size_t)row * film->row_bytes,
-               from->data + (size_t)row * from->row_bytes, film->row_bytes);
+        copy_row(film, from, row);
         add_counts(state, &from->rows[row]);
     }
     lf_film_sum_finish(&sum);

@@ -159,6 +159,7 @@ static lf_sum_shares count(lf_film_sum *sum, const lf_film_row *from)
 void lf_film_sum_add(lf_film_sum *sum, const lf_film *from, int row)
 {
     const lf_sum_shares s = count(sum, &from->rows[row]);
+    lf_film_open(from, row);
     const lf_film_half half[2] = {lf_film_at(from, row, 0), lf_film_at(from, row, 1)};
     const lf_film_known *known = lf_film_known_at(from, row);
     const lf_packed_albedo *albedo = lf_film_albedo_at(from, row);
@@ -176,6 +177,7 @@ void lf_film_sum_add(lf_film_sum *sum, const lf_film *from, int row)
         if (known)
             add_known(&sum->known[i], &known[i], &s);
     }
+    lf_film_close(from, row, false);
 }
 
 /* --------------------------------------------------------------------------------------- put -- */
@@ -228,6 +230,7 @@ bool lf_film_sum_put(const lf_film_sum *sum, uint64_t key, const lf_film *film, 
 {
     const bool both = sum->n_known[0] > 0.0 && sum->n_known[1] > 0.0;
     const size_t width = (size_t)sum->layout.width;
+    lf_film_open(film, row);
     const lf_film_half half[2] = {lf_film_at(film, row, 0), lf_film_at(film, row, 1)};
     lf_film_known *known = lf_film_known_at(film, row);
     lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
@@ -248,5 +251,6 @@ bool lf_film_sum_put(const lf_film_sum *sum, uint64_t key, const lf_film *film, 
     }
     film->rows[row] = sum->row;
     lf_film_lend_known(film, row);
+    lf_film_close(film, row, true);
     return lf_film_row_possible(&sum->row);
 }

@@ -326,12 +326,14 @@ static void read_near(const lf_tile *t, lf_tile_answers *a)
     for (int row = t->row - rows; row <= t->row + rows; row++) {
         if (row < 0 || row >= t->film->height)
             continue;
+        lf_film_open(t->film, row);
         const lf_film_half half[2] = {lf_film_at(t->film, row, 0), lf_film_at(t->film, row, 1)};
         for (int k = 0; k < LF_TILE_VIEWS + 2 * NEAR_VIEWS; k++) {
             int view = t->view0 - NEAR_VIEWS + k;
             if (view >= 0 && view < t->film->n_views)
                 add_near(t, half, view, &a->near[0][0][k * NEAR_ACROSS], a);
         }
+        lf_film_close(t->film, row, false);
     }
 }
 
@@ -481,14 +483,17 @@ static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t
     }
 }
 
-/* Prepares a row of the film for reading its tiles; false: the row has no visit. */
+/* Opens a row of the film for reading its tiles; the caller closes it. false: the row has no visit,
+ * and is not open. */
 static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
     double n = state->n[0] + state->n[1], known[2];
-    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row), .row = row};
+    *t = (lf_tile){.film = film, .row = row};
     if (!(n > 0.0))
         return false;
+    lf_film_open(film, row);
+    t->known = lf_film_known_at(film, row);
     lf_film_row_known(state, known);
     for (int h = 0; h < 2; h++) {
         t->half[h] = lf_film_at(film, row, h);
@@ -498,6 +503,14 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
         t->n_halves += state->n[h] > 0.0;
     }
     return true;
+}
+
+/* open_row for rows with visits of both halves. */
+static bool open_both(lf_tile *t, const lf_film *film, int row)
+{
+    if (!(film->rows[row].n[0] > 0.0 && film->rows[row].n[1] > 0.0))
+        return false;
+    return open_row(t, film, row);
 }
 
 /* The bounds of tile i among all. false after the last. */
@@ -529,6 +542,7 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
     state->relative_error = t.n_halves == 2 ? 0.0 : -1.0;
     for (int i = 0; at_tile(&t, i); i++)
         resolve_tile(&t, estimator, out, flags, state);
+    lf_film_close(film, row, false);
     return LF_OK;
 }
 
@@ -546,6 +560,7 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
             out_q[pixel_index(&t, i)] = t.pixel[i].pooled.q;
         }
     }
+    lf_film_close(film, row, false);
 }
 
 bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
@@ -553,7 +568,7 @@ bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int ro
 {
     lf_tile t;
     double sum = 0.0, doubtful = 0.0, n = 3.0 * film->n_views * film->width;
-    if (!open_row(&t, film, row) || t.n_halves < 2)
+    if (!open_both(&t, film, row))
         return false;
     for (int k = 0; at_tile(&t, k); k++) {
         lf_tile_answers a;
@@ -569,6 +584,7 @@ bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int ro
             }
         }
     }
+    lf_film_close(film, row, false);
     out_row->known = sum / n;
     out_row->doubtful = doubtful / n;
     return true;
@@ -578,7 +594,7 @@ void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row,
                            size_t stride)
 {
     lf_tile t;
-    if (!open_row(&t, film, row) || t.n_halves < 2)
+    if (!open_both(&t, film, row))
         return;
     double share = (double)t.share[0] * (double)t.share[1], x[2][3];
     for (int k = 0; at_tile(&t, k); k++) {
@@ -593,4 +609,5 @@ void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row,
                     (float)(share * (x[0][c] - x[1][c]) * (x[0][c] - x[1][c]));
         }
     }
+    lf_film_close(film, row, false);
 }

@@ -24,6 +24,7 @@ typedef struct lf_apart {
     float square[2][3][LF_TILE_COLUMNS];
 } lf_apart;
 
+/* The caller closes the row; false: it was not opened. */
 static bool open_halves(const lf_film *film, int row, lf_open_halves *out)
 {
     const lf_film_row *state = &film->rows[row];
@@ -31,6 +32,7 @@ static bool open_halves(const lf_film *film, int row, lf_open_halves *out)
     if (!(state->n[0] > 0.0 && state->n[1] > 0.0))
         return false;
     lf_film_row_known(state, known);
+    lf_film_open(film, row);
     for (int h = 0; h < 2; h++) {
         out->half[h] = lf_film_at(film, row, h);
         out->inverse[h] = 1.0f / (float)state->n[h];
@@ -124,4 +126,5 @@ void lf_film_row_second(const lf_film *film, int row, bool *out)
                 memset(out + (size_t)k * (size_t)width + (size_t)column0, true, (size_t)n);
         }
     }
+    lf_film_close(film, row, false);
 }

@@ -19,12 +19,14 @@ typedef struct row_of_film {
     const struct row_of_film *around;
 } row_of_film;
 
+/* The caller closes it. */
 static row_of_film open_row(const lf_film *film, int row)
 {
     row_of_film r = {.n = {film->rows[row].n[0], film->rows[row].n[1]}};
     if (film->rows[row].provisional)
         lf_film_row_known(&film->rows[row], r.n);
     r.total = r.n[0] + r.n[1];
+    lf_film_open(film, row);
     for (int h = 0; h < 2; h++)
         r.half[h] = lf_film_at(film, row, h);
     return r;
@@ -296,8 +298,9 @@ static void fill_row(void *context, int row, int worker)
 {
     const layer_job *job = context;
     const lf_film *rows = &job->renderer->film;
-    const int nearest = nearest_row(rows, row, lf_film_is_known);
-    const row_of_film around = open_row(rows, nearest_row(rows, nearest, has_visits));
+    const int nearest = nearest_row(rows, row, lf_film_is_known),
+              near = nearest_row(rows, nearest, has_visits);
+    const row_of_film around = open_row(rows, near);
     row_of_film film = open_row(rows, nearest);
     film.around = rows->rows[nearest].provisional && around.total > 0.0 ? &around : NULL;
     const bool own = nearest == row && !rows->rows[row].provisional;
@@ -314,6 +317,8 @@ static void fill_row(void *context, int row, int worker)
             table[i].fill(job, row, &film, pixels, out, stride);
         out += table[i].entry.n_channels;
     }
+    lf_film_close(rows, near, false);
+    lf_film_close(rows, nearest, false);
 }
 
 static lf_status open_job(const lf_renderer *renderer, lf_estimator estimator, unsigned layers,

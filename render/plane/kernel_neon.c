@@ -1,6 +1,6 @@
 /* The kernels for NEON, which every arm64 has: 4 lanes at a time. No FMA and no min or max
  * instructions (these treat NaN and signed zeros differently), so that results equal kernel_c.c bit
- * for bit. Their speed has not been measured. */
+ * for bit. docs/lab/performance.md has their instructions, beside those of plain C. */
 #if defined(__aarch64__)
 
 #include <arm_neon.h>

@@ -241,6 +241,7 @@ lf_status lf_answer_open(lf_reconstruction *r, const lf_film *film, int row, lf_
         status = lf_table_make(&out->bounded->table, r->bounded, row, LF_BOTH);
     if (status == LF_OK && !lf_pixels_read(&out->scratch->row, r, film, row, what))
         status = LF_E_STATE;
+    lf_film_open(film, row);
     if (status == LF_OK)
         out->halves = lf_row_halves_of(film, row, (const float(*)[3])out->scratch->row.albedo);
     return status;
@@ -248,6 +249,7 @@ lf_status lf_answer_open(lf_reconstruction *r, const lf_film *film, int row, lf_
 
 void lf_answer_close(lf_reconstruction *r, lf_answered_row *o)
 {
+    lf_film_close(o->film, o->row, false);
     if (o->scratch)
         lf_scratch_give(r, o->scratch);
     if (o->bounded)

@@ -91,6 +91,7 @@ typedef void (*visit_fn)(lf_bright_cell *cell, const lf_fitted *x);
 static void visit_row(lf_reconstruction *r, const lf_film *film, const lf_pixels *pixels, int row,
                       int number, visit_fn visit)
 {
+    lf_film_open(film, row);
     const lf_row_halves halves = lf_row_halves_of(film, row, (const float(*)[3])pixels->albedo);
     const lf_band *band = &r->level[1].bands[number];
     lf_fitted x;
@@ -105,6 +106,7 @@ static void visit_row(lf_reconstruction *r, const lf_film *film, const lf_pixels
             visit(&r->bright[number].cells[at], &x);
         }
     }
+    lf_film_close(film, row, false);
 }
 
 static lf_status visit_band(lf_reconstruction *r, const lf_film *film, int number, visit_fn visit)

@@ -25,7 +25,7 @@ void lf_band_finish(lf_band *band)
     lf_band_drop_sums(band);
     lf_free(band->layers);
     lf_free(band->index);
-    lf_free(band->cells);
+    lf_pages_free(band->cells);
     memset(band, 0, sizeof *band);
 }
 
@@ -102,8 +102,8 @@ lf_status lf_band_reserve(lf_band *band)
             band->index[i] = n++;
     if (n > band->size) { /* with room for what the next fit has more: fresh pages are dear */
         const int room = n + n / 4;
-        lf_free(band->cells);
-        band->cells = lf_calloc((size_t)room, sizeof *band->cells);
+        lf_pages_free(band->cells);
+        band->cells = lf_pages((size_t)room, sizeof *band->cells);
         band->size = band->cells ? room : 0;
         if (!band->cells)
             return LF_E_NOMEM;

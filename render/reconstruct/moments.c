@@ -132,11 +132,13 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
 static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *film,
                     const lf_pixels *pixels, int row)
 {
+    lf_film_open(film, row);
     const lf_row_halves halves = lf_row_halves_of(film, row, (const float(*)[3])pixels->albedo);
     const lf_film_known *known = lf_film_known_at(film, row);
     for (int view = 0; view < film->n_views; view++)
         if (lf_view_is_fitted(r, row, view))
             add_view(band, r, film, pixels, &halves, known, row, view);
+    lf_film_close(film, row, false);
 }
 
 typedef struct lf_range {

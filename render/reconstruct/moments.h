@@ -35,7 +35,7 @@ typedef struct lf_row_halves {
     const float (*albedo)[3]; /* of its pixels, divisor of N; NULL: none */
 } lf_row_halves;
 
-/* albedo: borrowed, as lf_pixels_read found it. */
+/* For an open row. albedo: borrowed, as lf_pixels_read found it. */
 lf_row_halves lf_row_halves_of(const lf_film *film, int row, const float (*albedo)[3]);
 
 /* The halves of one pixel, as used by the fit. */

@@ -11,7 +11,7 @@ enum { ARRAYS = LF_FEATURES + 2 * (LF_FEATURES - 2) + 1 };
 
 lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out)
 {
-    out->data = lf_calloc(ARRAYS * n, sizeof *out->data);
+    out->data = lf_pages(ARRAYS * n, sizeof *out->data);
     out->cells = lf_calloc(2 * n, sizeof *out->cells);
     out->second = lf_calloc(n, sizeof *out->second);
     out->albedo = albedo ? lf_calloc(n, sizeof *out->albedo) : NULL;
@@ -33,7 +33,7 @@ lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out)
 
 void lf_pixels_finish(lf_pixels *pixels)
 {
-    lf_free(pixels->data);
+    lf_pages_free(pixels->data);
     lf_free(pixels->cells);
     lf_free(pixels->second);
     lf_free(pixels->albedo);
@@ -114,7 +114,6 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
                     lf_reading what)
 {
     const lf_film_row *state = &film->rows[row];
-    const lf_packed_albedo *albedo = what != LF_READ_PLACES ? lf_film_albedo_at(film, row) : NULL;
     double n[2];
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
@@ -126,6 +125,8 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
         return false;
     if (film->layout.has_w2 && what != LF_READ_PLACES)
         read_second(r, film, row, pixels->second);
+    lf_film_open(film, row);
+    const lf_packed_albedo *albedo = what != LF_READ_PLACES ? lf_film_albedo_at(film, row) : NULL;
     for (int k = 0; k < film->n_views; k++) {
         if (what >= LF_READ_SUMMED && !lf_view_is_fitted(r, row, k))
             continue;
@@ -143,6 +144,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
         if (pixels->albedo && what != LF_READ_PLACES)
             read_albedo(&in, what == LF_READ_HALVES, pixels);
     }
+    lf_film_close(film, row, false);
     return true;
 }
 

@@ -298,11 +298,14 @@ static lf_status fit_residual(lf_reconstruction *r, const lf_film *film, const l
     if (!r->residual)
         return LF_E_NOMEM;
     lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
-    lf_status status = run(&job, RESIDUAL_SUM, 0);
+    lf_status status = lf_residual_begin(r->residual, r->view.n_views);
+    if (status == LF_OK)
+        status = run(&job, RESIDUAL_SUM, 0);
     void (*const steps[])(void *, int, int) = {weigh_tiles, share_tiles, take_tiles};
     for (job.level = LF_RESIDUAL_LEVELS - 1; job.level >= 0 && status == LF_OK; job.level--)
         for (int i = 0; i < 3 && status == LF_OK; i++)
             status = lf_pool_run(r->pool, r->view.n_views, steps[i], &job, cancel);
+    lf_residual_end(r->residual);
     return status;
 }
 
@@ -317,8 +320,11 @@ lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf
 {
     r->ready = false;
     lf_status status = fit_levels(r, film, cancel);
+    lf_scratch_drop(r); /* later steps read one row at a time */
     if (status == LF_OK)
         status = fit_bounded(r, film, cancel);
+    if (r->bounded)
+        lf_scratch_drop(r->bounded);
     drop_sums(r);
     drop_sums(r->bounded);
     if (status == LF_OK)

@@ -17,6 +17,11 @@
  * would be multiplied. Finer levels find brighter light. */
 #define MOST 1.5f
 
+static void *make_tiles(const lf_residual *r, int level, int n_views, size_t size)
+{
+    return lf_pages((size_t)n_views * (size_t)r->down[level] * (size_t)r->across[level], size);
+}
+
 lf_residual *lf_residual_create(const lf_reconstruct_view *view)
 {
     lf_residual *out = lf_calloc(1, sizeof *out);
@@ -25,34 +30,65 @@ lf_residual *lf_residual_create(const lf_reconstruct_view *view)
         const int side = LF_RESIDUAL_SIDE << l;
         out->across[l] = (view->width + side - 1) / side;
         out->down[l] = (view->height + side - 1) / side;
-        const size_t n = (size_t)view->n_views * (size_t)out->down[l] * (size_t)out->across[l];
-        out->tiles[l] = lf_pages(n, sizeof *out->tiles[l]);
-        whole = out->tiles[l];
     }
-    if (whole)
+    if (whole) {
+        out->tiles[0] = make_tiles(out, 0, view->n_views, sizeof *out->tiles[0]);
         out->chosen = lf_calloc((size_t)view->n_views, sizeof *out->chosen);
-    if (whole && out->chosen)
+    }
+    if (whole && out->tiles[0] && out->chosen)
         return out;
     lf_residual_destroy(out);
     return NULL;
+}
+
+lf_status lf_residual_begin(lf_residual *residual, int n_views)
+{
+    bool whole = true;
+    for (int l = 0; l < LF_RESIDUAL_LEVELS && whole; l++) {
+        if (l > 0)
+            residual->tiles[l] = make_tiles(residual, l, n_views, sizeof *residual->tiles[l]);
+        residual->fitted[l] = make_tiles(residual, l, n_views, sizeof *residual->fitted[l]);
+        whole = residual->tiles[l] && residual->fitted[l];
+    }
+    return whole ? LF_OK : LF_E_NOMEM;
+}
+
+void lf_residual_end(lf_residual *residual)
+{
+    for (int l = 0; l < LF_RESIDUAL_LEVELS; l++) {
+        lf_pages_free(residual->fitted[l]);
+        residual->fitted[l] = NULL;
+        if (l == 0)
+            continue;
+        lf_pages_free(residual->tiles[l]);
+        residual->tiles[l] = NULL;
+    }
 }
 
 void lf_residual_destroy(lf_residual *residual)
 {
     if (!residual)
         return;
-    for (int l = 0; l < LF_RESIDUAL_LEVELS; l++)
-        lf_pages_free(residual->tiles[l]);
+    lf_residual_end(residual);
+    lf_pages_free(residual->tiles[0]);
     lf_free(residual->chosen);
     lf_free(residual);
 }
 
+static size_t index_of(const lf_residual *all, int level, int view, int v, int u)
+{
+    return ((size_t)view * (size_t)all->down[level] + (size_t)v) * (size_t)all->across[level] +
+           (size_t)u;
+}
+
 static lf_residual_tile *tile_at(const lf_reconstruction *r, int level, int view, int v, int u)
 {
-    const lf_residual *all = r->residual;
-    return &all->tiles[level][((size_t)view * (size_t)all->down[level] + (size_t)v) *
-                                  (size_t)all->across[level] +
-                              (size_t)u];
+    return &r->residual->tiles[level][index_of(r->residual, level, view, v, u)];
+}
+
+static lf_residual_fitted *fitted_at(const lf_reconstruction *r, int level, int view, int v, int u)
+{
+    return &r->residual->fitted[level][index_of(r->residual, level, view, v, u)];
 }
 
 /* -------------------------------------------------------------------------------------- sums -- */
@@ -85,7 +121,7 @@ static void add_row(const lf_reconstruction *r, const lf_answered_row *o, int nu
         for (int i = 0; i < width; i++) {
             const size_t at = (size_t)k * (size_t)width + (size_t)i;
             if (lf_pixel_is_fitted(&o->scratch->row, at))
-                add_pixel(&tile_at(r, 0, k, number, i / LF_RESIDUAL_SIDE)->sums, o, at);
+                add_pixel(&fitted_at(r, 0, k, number, i / LF_RESIDUAL_SIDE)->sums, o, at);
         }
     }
 }
@@ -111,18 +147,19 @@ lf_status lf_residual_sum(lf_reconstruction *r, const lf_film *film, int number)
 }
 
 /* Adds a finest tile's sums with the current corrections. */
-static void add_sums(lf_residual_sums *to, const lf_residual_tile *from)
+static void add_sums(lf_residual_sums *to, const lf_residual_tile *tile,
+                     const lf_residual_sums *from)
 {
     for (int c = 0; c < 3; c++) {
-        const float times = 1.0f + from->lacks[LF_BOTH][c];
+        const float times = 1.0f + tile->lacks[LF_BOTH][c];
         for (int h = 0; h < 2; h++) {
-            to->found[h][c] += from->sums.found[h][c];
-            to->expected[h][c] += times * from->sums.expected[h][c];
+            to->found[h][c] += from->found[h][c];
+            to->expected[h][c] += times * from->expected[h][c];
         }
-        to->shown[c] += times * from->sums.shown[c];
-        to->known[c] += from->sums.known[c];
+        to->shown[c] += times * from->shown[c];
+        to->known[c] += from->known[c];
     }
-    to->pixels += from->sums.pixels;
+    to->pixels += from->pixels;
 }
 
 /* ------------------------------------------------------------------------------------ shares -- */
@@ -246,26 +283,24 @@ static void take(lf_residual_tile *tile, float step[LF_VARIANTS][3])
 /* The larger tiles of a level, from the finest. */
 static void coarsen(const lf_reconstruction *r, int level, int view)
 {
-    for (int v = 0; v < r->residual->down[level]; v++)
-        memset(tile_at(r, level, view, v, 0), 0,
-               (size_t)r->residual->across[level] * sizeof(lf_residual_tile));
     for (int v = 0; v < r->residual->down[0]; v++)
         for (int u = 0; u < r->residual->across[0]; u++)
-            add_sums(&tile_at(r, level, view, v >> level, u >> level)->sums,
-                     tile_at(r, 0, view, v, u));
+            add_sums(&fitted_at(r, level, view, v >> level, u >> level)->sums,
+                     tile_at(r, 0, view, v, u), &fitted_at(r, 0, view, v, u)->sums);
     for (int v = 0; v < r->residual->down[level]; v++)
         for (int u = 0; u < r->residual->across[level]; u++) {
             lf_residual_tile *tile = tile_at(r, level, view, v, u);
-            weigh(&tile->sums, tile->lacks, tile);
+            weigh(&fitted_at(r, level, view, v, u)->sums, tile->lacks, tile);
         }
 }
 
 /* A step for a finest tile with the current corrections. */
-static void weigh_finest(lf_residual_tile *tile, float step[LF_VARIANTS][3])
+static void weigh_finest(lf_residual_tile *tile, const lf_residual_sums *sums,
+                         float step[LF_VARIANTS][3])
 {
     lf_residual_sums now;
     memset(&now, 0, sizeof now);
-    add_sums(&now, tile);
+    add_sums(&now, tile, sums);
     weigh(&now, step, tile);
 }
 
@@ -280,7 +315,7 @@ void lf_residual_weigh(lf_reconstruction *r, int level, int view)
     }
     for (int v = 0; v < r->residual->down[0]; v++)
         for (int u = 0; u < r->residual->across[0]; u++)
-            weigh_finest(tile_at(r, 0, view, v, u), step);
+            weigh_finest(tile_at(r, 0, view, v, u), &fitted_at(r, 0, view, v, u)->sums, step);
 }
 
 static void take_all(const lf_reconstruction *r, int level, int view)
@@ -294,7 +329,7 @@ static void take_all(const lf_reconstruction *r, int level, int view)
                 step_at(r, level, view, ((float)v + 0.5f) * LF_RESIDUAL_SIDE,
                         ((float)u + 0.5f) * LF_RESIDUAL_SIDE, step);
             else
-                weigh_finest(tile, step);
+                weigh_finest(tile, &fitted_at(r, 0, view, v, u)->sums, step);
             for (int i = 0; i < LF_VARIANTS && level == 0; i++)
                 for (int c = 0; c < 3; c++)
                     step[i][c] *= share;
@@ -330,7 +365,7 @@ static void sharpen_tile(const lf_reconstruction *r, int view, int v, int u)
                 means[dv + 1] = mean_along(x);
             }
             /* at most half beyond: more would ring */
-            const float wanted = tile->wanted[i][c],
+            const float wanted = fitted_at(r, 0, view, v, u)->wanted[i][c],
                         sharper = tile->lacks[i][c] + wanted - mean_along(means),
                         off = 0.5f * fabsf(wanted);
             tile->lacks[i][c] = fmaxf(-1.0f, fminf(wanted + off, fmaxf(wanted - off, sharper)));
@@ -341,8 +376,8 @@ static void sharpen(const lf_reconstruction *r, int view)
 {
     for (int v = 0; v < r->residual->down[0]; v++)
         for (int u = 0; u < r->residual->across[0]; u++) {
-            lf_residual_tile *tile = tile_at(r, 0, view, v, u);
-            memcpy(tile->wanted, tile->lacks, sizeof tile->wanted);
+            float(*wanted)[3] = fitted_at(r, 0, view, v, u)->wanted;
+            memcpy(wanted, tile_at(r, 0, view, v, u)->lacks, LF_VARIANTS * sizeof *wanted);
         }
     for (int round = 0; round < ROUNDS; round++)
         for (int v = 0; v < r->residual->down[0]; v++)

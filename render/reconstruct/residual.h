@@ -22,12 +22,14 @@ typedef struct lf_residual_sums {
     float pixels;
 } lf_residual_sums;
 
+/* What only a fit needs of a tile. */
+typedef union lf_residual_fitted {
+    lf_residual_sums sums;
+    /* of the finest tiles, after settling: the required mean of `lacks` */
+    float wanted[LF_VARIANTS][3];
+} lf_residual_fitted;
+
 typedef struct lf_residual_tile {
-    union {
-        lf_residual_sums sums;
-        /* of the finest tiles, after settling: the required mean of `lacks` */
-        float wanted[LF_VARIANTS][3];
-    };
     /* Of the finest tiles, the total factor of R, for each half and for both; of larger ones, the
      * change of this factor. Minus 1. */
     float lacks[LF_VARIANTS][3];
@@ -36,7 +38,8 @@ typedef struct lf_residual_tile {
 
 typedef struct lf_residual {
     int across[LF_RESIDUAL_LEVELS], down[LF_RESIDUAL_LEVELS];
-    lf_residual_tile *tiles[LF_RESIDUAL_LEVELS]; /* [view][down][across] */
+    lf_residual_tile *tiles[LF_RESIDUAL_LEVELS];    /* [view][down][across]; > 0: during a fit */
+    lf_residual_fitted *fitted[LF_RESIDUAL_LEVELS]; /* of these tiles, during a fit */
     double *chosen; /* [view]: gain of the shares by chance, in relMSE of a pixel and channel */
 } lf_residual;
 
@@ -44,6 +47,10 @@ typedef struct lf_residual {
 lf_residual *lf_residual_create(const lf_reconstruct_view *view);
 /* Accepts NULL. */
 void lf_residual_destroy(lf_residual *residual);
+/* Memory that only a fit needs: before its steps, and after them also if one has failed.
+ * LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_residual_begin(lf_residual *residual, int n_views);
+void lf_residual_end(lf_residual *residual);
 
 /* 1. The received and shown sums in the tiles of a band of level 0. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_residual_sum(lf_reconstruction *r, const lf_film *film, int number);

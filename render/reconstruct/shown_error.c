@@ -190,6 +190,7 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
         status = predict(r->bounded, row, pixels, s->bounded);
     if (status != LF_OK)
         return status;
+    lf_film_open(film, row);
     lf_open_row o = {.r = r,
                      .film = film,
                      .pixels = pixels,
@@ -204,6 +205,7 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
         o.share[h] = (float)(state->n[h] / (state->n[0] + state->n[1]));
     }
     *out = sum_row(&o);
+    lf_film_close(film, row, false);
     return LF_OK;
 }
 

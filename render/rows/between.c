@@ -4,6 +4,7 @@ bool lf_between_find(const lf_film *film, int row, lf_between *out)
 {
     int at[2];
     out->tinted = film->layout.has_albedo;
+    out->film = film;
     for (int i = 0; i < 2; i++) {
         const int step = i == 0 ? -1 : 1;
         at[i] = row + step;
@@ -11,14 +12,26 @@ bool lf_between_find(const lf_film *film, int row, lf_between *out)
             at[i] += step;
         if (at[i] < 0 || at[i] >= film->height)
             return false;
+    }
+    if (at[1] - at[0] > LF_UNSCATTERED_COARSE)
+        return false;
+    for (int i = 0; i < 2; i++) {
         double n[2];
         lf_film_row_known(&film->rows[at[i]], n);
+        lf_film_open(film, at[i]);
+        out->row[i] = at[i];
         const lf_film_half half = lf_film_at(film, at[i], n[0] > 0.0 ? 0 : 1);
         out->q[i] = half.q;
         out->feature[i] = half.feature;
         out->known[i] = lf_film_known_at(film, at[i]);
     }
-    return at[1] - at[0] <= LF_UNSCATTERED_COARSE;
+    return true;
+}
+
+void lf_between_close(const lf_between *rows)
+{
+    for (int i = 0; i < 2; i++)
+        lf_film_close(rows->film, rows->row[i], false);
 }
 
 /* A smaller share of a surface does not justify a texture look-up. */

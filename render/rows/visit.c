@@ -185,7 +185,12 @@ static bool put_provisional(lf_visit *visit, const lf_cancel *cancel)
     lf_film *film = visit->plan->film;
     lf_between rows;
     const bool between = !w->mirrors && lf_between_find(film, visit->row, &rows);
-    if (between && lf_between_mark(&rows, visit->rig, w->met.smooth))
+    bool all = false;
+    if (between) {
+        all = lf_between_mark(&rows, visit->rig, w->met.smooth);
+        lf_between_close(&rows);
+    }
+    if (all)
         return true; /* nothing is kept: the row counts as missing */
     if (visit->plan->shutter)
         lf_visit_set_shutter_time(visit, visit->number);
@@ -237,6 +242,33 @@ static bool sample(lf_visit *visit, const lf_cancel *cancel)
     return visit->mirror_rounds == 0 || sample_mirrors(visit, cancel);
 }
 
+/* Samples and merges an open row; *changed: the row was. */
+static bool visit_open(lf_visit *visit, bool *changed, const lf_cancel *cancel)
+{
+    const lf_visit_plan *plan = visit->plan;
+    const lf_visit_number number = visit->number;
+    const int row = visit->row, half = visit->half;
+    if (plan->shutter)
+        lf_visit_set_shutter_time(visit, number);
+    visit->outlines = lf_visit_planes(plan, number.index) > 1 && lf_outlines_find(visit);
+    lf_visit_cut(visit, number, 0);
+    if (!lf_film_meet(plan->film, row, visit->worker->reach.any || visit->outlines)) {
+        count_empty(visit);
+        return true;
+    }
+    lf_film_sums_begin(&visit->worker->sums);
+    visit->worker->sums.coarse = plan->order.coarse;
+    if (!lf_film_wants_albedo(plan->film, row))
+        visit->sums.albedo = NULL;
+    find_known(visit);
+    if (!sample(visit, cancel))
+        return false;
+    *changed = true;
+    lf_film_merge(plan->film, plan->order.stream, row, half, &visit->worker->sums, given_by(visit),
+                  lf_hash64(lf_hash64(number.key, 9), number.index));
+    return plan->order.hole_reach < 0 || lf_fill_holes(visit, number.index, cancel);
+}
+
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
                   const lf_cancel *cancel)
 {
@@ -245,27 +277,12 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         half = 1 - half;
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row, .half = half};
     begin(plan, &visit);
-    const lf_visit_number number = visit.number;
-    if (plan->order.subsets == 0)
-        return lf_fill_holes(&visit, -1, cancel);
     if (plan->order.fans)
         return put_provisional(&visit, cancel);
-    if (plan->shutter)
-        lf_visit_set_shutter_time(&visit, number);
-    visit.outlines = lf_visit_planes(plan, number.index) > 1 && lf_outlines_find(&visit);
-    lf_visit_cut(&visit, number, 0);
-    if (!lf_film_meet(plan->film, row, worker->reach.any || visit.outlines)) {
-        count_empty(&visit);
-        return true;
-    }
-    lf_film_sums_begin(&worker->sums);
-    worker->sums.coarse = plan->order.coarse;
-    if (!lf_film_wants_albedo(plan->film, row))
-        visit.sums.albedo = NULL;
-    find_known(&visit);
-    if (!sample(&visit, cancel))
-        return false;
-    lf_film_merge(plan->film, plan->order.stream, row, half, &worker->sums, given_by(&visit),
-                  lf_hash64(lf_hash64(number.key, 9), number.index));
-    return plan->order.hole_reach < 0 || lf_fill_holes(&visit, number.index, cancel);
+    bool changed = plan->order.subsets == 0;
+    lf_film_open(plan->film, row);
+    const bool done =
+        changed ? lf_fill_holes(&visit, -1, cancel) : visit_open(&visit, &changed, cancel);
+    lf_film_close(plan->film, row, changed);
+    return done;
 }

@@ -1,5 +1,7 @@
 #include "tests/testing.h"
 
+#include <unistd.h>
+
 #include "base/alloc.h"
 
 static void memory_is_zeroed_and_aligned(void **state)
@@ -90,6 +92,26 @@ static void pages_are_zeroed_counted_and_given_back(void **state)
     assert_int_equal(lf_pages_bytes(), before);
 }
 
+/* Of a range only whole pages, and nothing beside it. */
+static void returned_pages_are_zero(void **state)
+{
+    (void)state;
+    const size_t n = (size_t)1 << 20, page = (size_t)sysconf(_SC_PAGESIZE);
+    unsigned char *a = lf_pages(n, 1);
+    assert_non_null(a);
+    lf_advise_small(a, n);
+    memset(a, 1, n);
+    lf_pages_return(a + 100, n / 2);
+    size_t zeros = 0;
+    for (size_t i = 0; i < n; i++)
+        zeros += a[i] == 0;
+    assert_true(zeros >= n / 2 - 2 * page && zeros <= n / 2 && zeros % page == 0);
+    assert_true(a[99] == 1 && a[100 + n / 2] == 1);
+    lf_pages_return(a + 1, page / 2);
+    assert_int_equal(a[1], 1);
+    lf_pages_free(a);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -99,6 +121,7 @@ int main(void)
         cmocka_unit_test(strings_are_copied),
         cmocka_unit_test(allocations_are_counted_and_releases_are_not),
         cmocka_unit_test(pages_are_zeroed_counted_and_given_back),
+        cmocka_unit_test(returned_pages_are_zero),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
