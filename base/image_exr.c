@@ -519,7 +519,9 @@ static exr_result_t write_chunks(exr_job *job, lf_pool *pool, int lines)
 static exr_result_t make_hands(exr_job *job, const lf_pool *pool, int lines)
 {
     const int n = pool && lf_pool_threads(pool) > 1 ? HANDS_A_THREAD * lf_pool_threads(pool) : 1;
+    const int chunks = (job->height + lines - 1) / lines;
     job->n_hands = n < MOST_HANDS ? n : MOST_HANDS;
+    job->n_hands = job->n_hands < chunks ? job->n_hands : chunks;
     job->hands = lf_calloc((size_t)job->n_hands, sizeof *job->hands);
     for (int i = 0; job->hands && i < job->n_hands; i++) {
         exr_hand *hand = &job->hands[i];

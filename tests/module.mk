@@ -177,7 +177,7 @@ portable_tests := base/test_alloc base/test_cpu base/test_status base/test_threa
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc cpu status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/% quilt/chart/%,$(quilt_srcs))
-render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler)
+render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_% render/transport/surface/surface_fan%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler $(patsubst %,transport/surface/surface_%,sheen glass glass_energy energy))
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 papers_srcs :=
 test_faults_render :=

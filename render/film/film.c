@@ -107,9 +107,17 @@ lf_status lf_film_stream_at(lf_film *film, uint64_t seed, uint32_t number, int *
 
 size_t lf_film_packed_from = (size_t)128 << 20;
 
+/* Whether packing saves memory: open rows must be few. */
+static bool is_packed(const lf_film *film, int n_threads)
+{
+    if (n_threads == 0 || film->data_bytes < lf_film_packed_from)
+        return false;
+    return lf_film_packed_from == 0 || lf_pack_open_rows(n_threads) <= film->height / 4;
+}
+
 static bool make_data(lf_film *film, int n_threads)
 {
-    if (n_threads > 0 && film->data_bytes >= lf_film_packed_from) {
+    if (is_packed(film, n_threads)) {
         const lf_pack_planes planes = {pixels_of(&film->layout), half_bytes(&film->layout),
                                        film->layout.has_w2, film->layout.has_features};
         film->packed = lf_film_packed_create(&planes, film->row_bytes, film->height, n_threads);

@@ -1,7 +1,7 @@
 /* The film: the sums of passes, and the three estimates; private to render/.
  *
  * Layout by epipolar row: [row][half][view][column]. All targets of a base path lie in its row, and
- * a row belongs to one thread. So there are no atomics and no locks, and the sums do not depend on
+ * a row belongs to one thread. So sums take no atomics and no locks, and the sums do not depend on
  * the number of threads. There are two independent halves. Per view pixel and half
  * (docs/developer/estimators.md, "9. The film"):
  *
@@ -166,13 +166,15 @@ LF_NODISCARD lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
  * rows is n_threads and one more. */
 LF_NODISCARD lf_status lf_film_init_packed(lf_film *film, const lf_film_layout *layout,
                                            int n_threads);
-/* Films from this size on are packed. Only tests change it. */
+/* Films from this size on are packed if at most a quarter of their rows are open; 0: all films.
+ * Only tests change it. */
 extern size_t lf_film_packed_from;
 void lf_film_finish(lf_film *film);
 /* Releases the numbers of all rows; the counts stay. Then no row may be opened. */
 void lf_film_release(lf_film *film);
-/* A row's numbers may be read and changed from open to close. changed: they were. Functions that
- * take a film and a row open that row. Thread: any. */
+/* A row's numbers may be read and changed from open to close. changed: they were. Other functions
+ * that take a film and a row open it themselves, unless they say that it must be open. A packed row
+ * takes a lock for a moment. Thread: any. */
 void lf_film_open(const lf_film *film, int row);
 void lf_film_close(const lf_film *film, int row, bool changed);
 /* lf_film_used_bytes of an open row. */
@@ -204,7 +206,8 @@ const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, ui
 LF_NODISCARD lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err);
 /* Size of the used memory of a row: half 0, half 1, known light, albedo, 32 bits per number. */
 size_t lf_film_used_bytes(const lf_film_layout *layout);
-/* These are for open rows. */
+/* These, lf_film_row_at, lf_film_sums_of, lf_film_lend_known and lf_film_clear_known are for open
+ * rows. */
 lf_film_half lf_film_at(const lf_film *film, int row, int half);
 /* NULL if B is not stored. */
 lf_film_known *lf_film_known_at(const lf_film *film, int row);
@@ -315,17 +318,18 @@ static inline void lf_film_settle(const lf_film_half half[2], int h, size_t pixe
     half[!h].scattered[pixel] = (lf_film_scattered){.w = 0.0f};
 }
 /* Whether light without a weight may go to half h, in halves with these counts: not if all weight
- * of the pixel is a mark. Once the other half has a weight, the mark of this one is removed,
- * because it would be the divisor of its light. */
+ * of the pixel is a mark. If the other half has a weight, the visit's sums take the mark of this
+ * one back, because it would be the divisor of its light. */
 static inline bool lf_film_takes_light(const lf_film_half half[2], const double n[2], int h,
-                                       size_t pixel)
+                                       const lf_film_sums *sums, size_t pixel)
 {
     const float own = n[h] > 0.0 ? half[h].scattered[pixel].w : 0.0f,
                 other = n[!h] > 0.0 ? half[!h].scattered[pixel].w : 0.0f;
     if (own + other == LF_FILM_SETTLED)
         return false;
-    if (own == LF_FILM_SETTLED)
-        half[h].scattered[pixel].w = 0.0f;
+    float *w = &sums->half.scattered[pixel].w;
+    if (own == LF_FILM_SETTLED && *w == 0.0f)
+        *w = -LF_FILM_SETTLED;
     return true;
 }
 

@@ -1,12 +1,11 @@
 #include "render/film/film_pack.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <string.h>
 
 #include "base/alloc.h"
 
-/* Rows that a thread has open at most: one and its neighbours, and one more. */
-#define ROWS_OF_A_THREAD 4
 /* Memory behind a packed row is returned from this size on. */
 #define RETURN_FROM ((size_t)1 << 16)
 
@@ -69,7 +68,7 @@ lf_film_packed *lf_film_packed_create(const lf_pack_planes *planes, size_t row_b
     p->room = (lf_pack_most(p->lines) + page - 1) / page * page;
     p->height = height;
     p->n_threads = n_threads;
-    p->n_open = ROWS_OF_A_THREAD * (n_threads + 1);
+    p->n_open = lf_pack_open_rows(n_threads);
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->closed, NULL);
     if (make(p)) {
@@ -131,10 +130,8 @@ static lf_row_memory *find_unused(lf_film_packed *p)
 
 static void unpack(lf_film_packed *p, lf_row_memory *o, int row)
 {
-    if (o->row >= 0) {
+    if (o->row >= 0)
         p->open_of[o->row] = -1;
-        p->at[o->row] = NULL;
-    }
     o->row = row;
     o->busy = true;
     p->open_of[row] = (int)(o - p->open);
@@ -160,6 +157,8 @@ void lf_film_packed_open(lf_film_packed *packed, int row)
             o->used = ++packed->clock;
             if (i < 0)
                 unpack(packed, o, row);
+            else if (!packed->at[row]) /* else others read it */
+                packed->at[row] = o->data;
             break;
         }
         pthread_cond_wait(&packed->closed, &packed->lock);
@@ -185,7 +184,9 @@ static void pack(lf_film_packed *p, int row, const lf_row_memory *o)
 void lf_film_packed_close(lf_film_packed *packed, int row, bool changed)
 {
     pthread_mutex_lock(&packed->lock);
-    lf_row_memory *o = &packed->open[packed->open_of[row]];
+    const int i = packed->open_of[row];
+    assert(i >= 0 && packed->open[i].users > 0);
+    lf_row_memory *o = &packed->open[i];
     o->changed = o->changed || changed;
     o->users--;
     if (o->users == 0 && o->changed) {
@@ -195,7 +196,9 @@ void lf_film_packed_close(lf_film_packed *packed, int row, bool changed)
         pthread_mutex_lock(&packed->lock);
         o->busy = o->changed = false;
     }
-    if (o->users == 0)
+    if (o->users == 0) {
+        packed->at[row] = NULL;
         pthread_cond_broadcast(&packed->closed);
+    }
     pthread_mutex_unlock(&packed->lock);
 }

@@ -34,6 +34,14 @@ void lf_pack_arrange(const lf_pack_planes *planes, unsigned char *row, unsigned 
 void lf_pack_restore(const lf_pack_planes *planes, unsigned char *row, unsigned char *spare,
                      bool known);
 
+/* Rows that a thread has open at most: one and its neighbours, and one more. */
+#define LF_PACK_ROWS_OF_A_THREAD 4
+/* Rows that have memory at once. */
+static inline int lf_pack_open_rows(int n_threads)
+{
+    return LF_PACK_ROWS_OF_A_THREAD * (n_threads + 1);
+}
+
 lf_film_packed *lf_film_packed_create(const lf_pack_planes *planes, size_t row_bytes, int height,
                                       int n_threads);
 void lf_film_packed_destroy(lf_film_packed *packed);

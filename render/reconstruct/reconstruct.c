@@ -320,7 +320,7 @@ lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf
 {
     r->ready = false;
     lf_status status = fit_levels(r, film, cancel);
-    lf_scratch_drop(r); /* later steps read one row at a time */
+    lf_scratch_drop(r); /* later steps need no list of places */
     if (status == LF_OK)
         status = fit_bounded(r, film, cancel);
     if (r->bounded)

@@ -15,6 +15,11 @@ float lf_fan_eval(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lob
 /* Directions drawn at a pivot on a glossy surface: a lobe narrower than the view cone serves few
  * views. */
 #define LF_GLOSSY_DIRECTIONS 4
+static inline bool lf_fan_is_glossy(const lf_scene *scene, const lf_event *event)
+{
+    return event->kind == LF_EVENT_SURFACE && lf_is_view_dependent(scene, event) &&
+           !event->hit.material->has_delta;
+}
 /* Directions that a pivot draws. */
 int lf_fan_directions(const lf_visit *visit, const lf_pivot *pivot);
 

@@ -242,7 +242,7 @@ static void add_splat(lf_visit *visit, const lf_film_half so_far[2], const lf_li
         lf_visit_add_native(visit, splat->pixel, lf_v3(c[0], c[1], c[2]));
     else if (!isfinite(c[0] + c[1] + c[2]))
         visit->worker->tracer.nonfinite++;
-    else if (lf_film_takes_light(so_far, n, visit->half, splat->pixel))
+    else if (lf_film_takes_light(so_far, n, visit->half, &visit->sums, splat->pixel))
         lf_film_scatter(&visit->sums, splat->pixel, c[0], c[1], c[2]);
 }
 
@@ -283,9 +283,10 @@ static lf_status choose(lf_light_paths *paths, int wanted)
                                   .alone = paths->alone};
     double splats = 0.0;
     bool serves = true;
+    bool *const asked = wanted < 0 ? &serves : NULL;
     set_number(paths, wanted > 0 ? wanted : PER_PIXEL * rig->width * rig->height);
-    lf_status status = lf_light_pilot_asks(&pilot, &paths->plan, &serves);
-    if (status == LF_OK && wanted < 0 && !serves) {
+    lf_status status = lf_light_pilot_asks(&pilot, &paths->plan, asked);
+    if (status == LF_OK && !serves) {
         paths->plan.per_pass = 0;
         return LF_OK;
     }

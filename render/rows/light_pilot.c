@@ -43,38 +43,43 @@ typedef struct asking {
     taken first, end;     /* what is sampled */
 } asking;
 
+static int view_of(const lf_light_pilot *pilot, int i)
+{
+    return lf_pilot_view(pilot->rig->n_views, i % LF_PILOT_ACROSS, i / LF_PILOT_ACROSS);
+}
+
 /* A camera ray. false: it meets no surface with a lobe. */
 static bool draw_pivot(const lf_light_pilot *pilot, lf_tracer *tracer, int i, pivot_sample *out,
                        lf_event *event)
 {
     const lf_rig *rig = pilot->rig;
-    const int x = i % LF_PILOT_ACROSS, y = i / LF_PILOT_ACROSS,
-              view = lf_pilot_view(rig->n_views, x, y);
+    const int x = i % LF_PILOT_ACROSS, y = i / LF_PILOT_ACROSS;
     const float u = ((float)x + lf_rng(tracer)) / LF_PILOT_ACROSS * (float)rig->width,
                 v = ((float)y + lf_rng(tracer)) / LF_PILOT_DOWN * (float)rig->height;
     out->tile = lf_pilot_part(rig, (int)lf_min(v, (float)(rig->height - 1)),
                               (int)lf_min(u, (float)(rig->width - 1)));
-    return lf_pilot_pivot(tracer, rig, view, (const float[]){u, v}, event, &out->mean);
+    return lf_pilot_pivot(tracer, rig, view_of(pilot, i), (const float[]){u, v}, event, &out->mean);
 }
 
 /* The scale of the balance for a direction, without visibility: a bound. */
-static float balance_scale(const asking *a, const lf_event *event, lf_vec3 wi)
+static float balance_scale(const asking *a, int i, const lf_event *event, lf_vec3 wi)
 {
     const lf_light_pilot *pilot = a->pilot;
     const lf_rig *rig = pilot->rig;
     const lf_pivot pivot = {.z = lf_dot(lf_sub(event->p, rig->eye), rig->forward)};
     const lf_visit visit = {.rig = rig};
-    const bool many = !pilot->alone && lf_is_view_dependent(pilot->scene, event) &&
-                      !event->hit.material->has_delta;
+    const bool alone = pilot->alone, many = !alone && lf_fan_is_glossy(pilot->scene, event);
+    const int own = view_of(pilot, i), first = alone ? own : 0,
+              end = alone ? own + 1 : rig->n_views;
     float over = 0.0f;
-    for (int k = 0; k < rig->n_views; k++) {
+    for (int k = first; k < end; k++) {
         const lf_vec3 d = lf_sub(lf_rig_point(rig, rig->b[k], 0.0f, 0.0f), event->p);
         lf_vec3 f;
         over += fabsf(lf_dot(event->hit.ng, d)) *
                 lf_scatter_eval(pilot->scene, event, lf_normalize(d), wi, &f);
     }
     over *= lf_fan_unit(&visit, &pivot) * (many ? (float)LF_GLOSSY_DIRECTIONS : 1.0f);
-    return lf_light_balance_scale(a->plan->m * (float)rig->n_views, over);
+    return lf_light_balance_scale(a->plan->m * (float)(end - first), over);
 }
 
 /* Suffix k of pivot i, with the same numbers for all that is taken. */
@@ -90,7 +95,7 @@ static lf_vec3 sample_suffix(const asking *a, int i, int k, taken what, const lf
     lf_sampler_init(&sampler, LF_SAMPLER_INDEPENDENT, key, 0);
     lf_pilot_suffix(tracer, event, &sampler, &suffix);
     if (what == BALANCED)
-        balance.scale = balance_scale(a, event, suffix.wi);
+        balance.scale = balance_scale(a, i, event, suffix.wi);
     lf_pilot_follow(tracer, event, pilot->max_depth, what == NOTHING ? NULL : &balance, &suffix);
     return lf_pilot_radiance(pilot->scene, event, &suffix);
 }
@@ -222,7 +227,7 @@ static lf_status ask(asking *a, lf_light_plan *plan, bool *out_serves)
         find_importance(a->pivots, plan);
         status = lf_pool_run(pool, ASKING_PATHS / CHUNK, ask_light, a, NULL);
     }
-    if (status != LF_OK)
+    if (status != LF_OK || !out_serves)
         return status;
     *out_serves = reduce(a, CLASS, LEAST_SHARE);
     if (!*out_serves)

@@ -37,8 +37,9 @@ typedef struct lf_light_pilot {
     bool alone; /* each path serves one view */
 } lf_light_pilot;
 
-/* Whether light paths would reduce the error, by the share of their class in the variance of camera
- * paths, and by what the balance takes of it. Sets plan->importance. LF_E_NOMEM. */
+/* Sets plan->importance. *out_serves: whether light paths would reduce the error, by the share of
+ * their class in the variance of camera paths, and by what the balance takes of it; NULL: they are
+ * wanted anyway. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_light_pilot_asks(const lf_light_pilot *pilot, lf_light_plan *plan,
                                            bool *out_serves);
 /* Teaches the cells of the emitters, and sets plan->cut and *out_splats: the view pixels that a

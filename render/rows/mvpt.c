@@ -400,10 +400,9 @@ static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float
 
 int lf_fan_directions(const lf_visit *visit, const lf_pivot *pivot)
 {
-    const bool many = pivot->event.kind == LF_EVENT_SURFACE &&
-                      lf_is_view_dependent(visit->scene, &pivot->event) &&
-                      !pivot->event.hit.material->has_delta;
-    return many ? LF_GLOSSY_DIRECTIONS : lf_visit_splitting(visit, &pivot->event).suffixes;
+    return lf_fan_is_glossy(visit->scene, &pivot->event)
+               ? LF_GLOSSY_DIRECTIONS
+               : lf_visit_splitting(visit, &pivot->event).suffixes;
 }
 
 /* The lobe depends on the view: balance heuristic over all views' lobes and light sampling. Further

@@ -173,6 +173,29 @@ static void what_is_constant_stays_exact(void **state)
     bench_finish(&b);
 }
 
+/* Half 0 has found 1 and half 1 has found 3. A visit of half 0 finds 2, the mean of both. */
+static void a_visit_that_finds_the_mean_brings_the_halves_nearer(void **state)
+{
+    (void)state;
+    bench b;
+    const lf_film_layout layout = {.n_views = 1, .width = 1, .height = 1, .has_known = true};
+    const float found[3] = {1.0f, 3.0f, 2.0f};
+    float difference[3];
+    bench_init(&b, &layout);
+    for (int v = 0; v < 3; v++) {
+        for (int c = 0; c < 3; c++)
+            b.sums.known[0][c] = found[v];
+        merge(&b, v & 1, 1, 1.0);
+    }
+    const lf_film_known *known = lf_film_known_at(&b.film, 0);
+    lf_difference_unpack(known->difference, difference);
+    for (int c = 0; c < 3; c++) {
+        lf_assert_close((double)known->b[c], 2.0, 1e-6, 0.0);
+        lf_assert_close((double)difference[c], -1.5, 1e-2, 0.0);
+    }
+    bench_finish(&b);
+}
+
 /* Known light and delta lobes that change from visit to visit, against the same in double. The
  * difference's rounding adds about 1e-5 a visit to its mean square (film_difference.h). */
 static void known_light_and_its_difference_follow_both_halves(void **state)
@@ -497,6 +520,7 @@ int main(void)
         cmocka_unit_test(sums_neither_drift_nor_stagnate),
         cmocka_unit_test(case_19_ones_beside_hundred_millions_are_kept),
         cmocka_unit_test(what_is_constant_stays_exact),
+        cmocka_unit_test(a_visit_that_finds_the_mean_brings_the_halves_nearer),
         cmocka_unit_test(known_light_and_its_difference_follow_both_halves),
         cmocka_unit_test(differences_are_packed_without_bias),
         cmocka_unit_test(features_are_packed_without_bias),

@@ -239,6 +239,22 @@ static void visit_rows(lf_film *film, int step, uint64_t key)
     lf_film_sums_finish(&sums);
 }
 
+/* Packing would keep most rows of a low film twice, open and packed. */
+static void films_with_few_rows_for_each_thread_are_not_packed(void **state)
+{
+    (void)state;
+    const lf_film_layout layout = {.n_views = 3, .width = 64, .height = HEIGHT};
+    const size_t usual = lf_film_packed_from;
+    for (int n_threads = 0; n_threads < 64; n_threads++) {
+        lf_film film = {0};
+        lf_film_packed_from = 1;
+        lf_assert_ok(lf_film_init_packed(&film, &layout, n_threads), NULL);
+        lf_film_packed_from = usual;
+        assert_int_equal(!film.packed, !(n_threads > 0 && 4 * (n_threads + 1) <= HEIGHT / 4));
+        lf_film_finish(&film);
+    }
+}
+
 static void packed_films_are_mixed(void **state)
 {
     (void)state;
@@ -285,6 +301,7 @@ int main(void)
         cmocka_unit_test(lines_are_unpacked_as_they_were),
         cmocka_unit_test(rows_are_arranged_and_restored),
         cmocka_unit_test(a_packed_film_is_the_same),
+        cmocka_unit_test(films_with_few_rows_for_each_thread_are_not_packed),
         cmocka_unit_test(packed_films_are_mixed),
         cmocka_unit_test(changes_of_shared_rows_are_kept),
     };

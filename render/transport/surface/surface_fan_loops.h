@@ -23,7 +23,7 @@ static void metal_once(const lf_material *m, lf_vec3 wi, int n, const float *x, 
     }
 }
 
-/* Adds the multiple-scattering compensation. */
+/* The multiple-scattering compensation. */
 static void metal_more(const lf_material *m, int n, const float *z, float *restrict more)
 {
     const lf_material own = *m;
@@ -31,7 +31,6 @@ static void metal_more(const lf_material *m, int n, const float *z, float *restr
         more[i] = lf_conductor_several(&own, lf_max(z[i], LF_MIN_COS));
 }
 
-/* One term per channel. */
 static void conductor(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
                       const float *z, lf_fan_lobes *out)
 {
@@ -127,7 +126,7 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
     }
 }
 
-/* eval_local for all directions of a fan: one term per channel. Inline, with layers whose flags the
+/* eval_local for all directions of a fan. Inline, with layers whose flags the
  * caller knows, so that no branches remain and the compiler vectorises it. */
 static inline __attribute__((always_inline)) void fan_of(layers l, bool special, lf_vec3 wi, int n,
                                                          const float *x, const float *y,
