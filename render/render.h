@@ -553,7 +553,7 @@ typedef struct lf_render_stats {
     int64_t base_hidden;
     /* view pixels that the last resolve flagged LF_PIXEL_HOLE; 0 before the first resolve */
     int64_t holes;
-    int64_t film_bytes;        /* memory of the sums once all rows have visits */
+    int64_t film_bytes;        /* of the sums once all rows have visits, unpacked */
     double passes;             /* mean over rows, in passes */
     double native_spp_mean;    /* n, mean over view pixels */
     double effective_spp_mean; /* contributions per view pixel */

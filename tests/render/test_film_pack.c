@@ -1,9 +1,12 @@
 /* Rows of large films that are kept packed: the same bytes as of films whose rows stay open. */
 #include "tests/testing.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
+#include "render/film/film_file.h"
 #include "render/film/film_pack.h"
 #include "render/transport/sampler.h"
 #include "tests/scene_file.h"
@@ -274,6 +277,50 @@ static void packed_films_are_mixed(void **state)
     }
 }
 
+/* A saved film, and its bytes; the caller frees. */
+static char *save(const lf_film *film, const char *name, size_t *out_size)
+{
+    lf_outfile file;
+    char *bytes;
+    lf_assert_ok(lf_outfile_open(&file, name, true, NULL), NULL);
+    lf_assert_ok(lf_film_write(film, &file, NULL, NULL), NULL);
+    lf_assert_ok(lf_outfile_commit(&file, true, NULL), NULL);
+    lf_assert_ok(lf_file_read(name, NULL, 1 << 26, &bytes, out_size, NULL), NULL);
+    return bytes;
+}
+
+/* Every third row has visits: rows of a file move apart when it is read. */
+static void files_do_not_depend_on_packing(void **state)
+{
+    (void)state;
+    lf_film film[2] = {film_of(false), film_of(true)};
+    char *bytes[2], *folder = lf_test_folder();
+    const char *const path = lf_test_path(folder, "film");
+    size_t size[2];
+    for (int i = 0; i < 2; i++) {
+        film[i].streams[0].number = 4;
+        visit_rows(&film[i], 3, 7);
+        bytes[i] = save(&film[i], path, &size[i]);
+    }
+    assert_int_equal(size[0], size[1]);
+    assert_memory_equal(bytes[0], bytes[1], size[0]);
+    const size_t usual = lf_film_packed_from;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    lf_film read = {0};
+    lf_film_packed_from = 0;
+    lf_assert_ok(lf_film_read(fd, &film[1], &read, NULL), NULL);
+    lf_film_packed_from = usual;
+    assert_non_null(read.packed);
+    assert_same_rows(&film[0], &read);
+    close(fd);
+    lf_test_folder_remove(folder);
+    lf_film_finish(&read);
+    for (int i = 0; i < 2; i++) {
+        lf_free(bytes[i]);
+        lf_film_finish(&film[i]);
+    }
+}
+
 /* A row that another user still has open is packed when the last one closes it. */
 static void changes_of_shared_rows_are_kept(void **state)
 {
@@ -303,6 +350,7 @@ int main(void)
         cmocka_unit_test(a_packed_film_is_the_same),
         cmocka_unit_test(films_with_few_rows_for_each_thread_are_not_packed),
         cmocka_unit_test(packed_films_are_mixed),
+        cmocka_unit_test(files_do_not_depend_on_packing),
         cmocka_unit_test(changes_of_shared_rows_are_kept),
     };
     return cmocka_run_group_tests_name("film_pack", tests, NULL, lf_test_finish);
