@@ -55,10 +55,8 @@ double lf_catch_met(const lf_film *film, int row, size_t pixel)
     if (film->rows[row].provisional)
         lf_film_row_known(&film->rows[row], n);
     double met = 0.0;
-    lf_film_open(film, row);
     for (int h = 0; h < 2; h++)
         met += n[h] > 0.0 ? n[h] * (double)lf_film_at(film, row, h).q[pixel] : 0.0;
-    lf_film_close(film, row, false);
     return met / fmax(n[0] + n[1], 1e-30);
 }
 

@@ -39,7 +39,7 @@ lf_catch_ray lf_catch_ray_of(const lf_catch_pixel *pixel, uint64_t key, int i);
  * surface. This is known from more samples than the pixel's own rays as long as these are few. 1 in
  * scenes with volumes, where a noisy bound would reduce shadows behind them. */
 float lf_catch_open(const lf_scene *scene, double met);
-/* That share for a pixel [view][column] of a visited row. */
+/* That share for a pixel [view][column] of a visited row, which is open. */
 double lf_catch_met(const lf_film *film, int row, size_t pixel);
 
 /* The share of shadowed catchers in a pixel, from n of its own rays, each with light samples; at

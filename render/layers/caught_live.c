@@ -353,6 +353,19 @@ static float own_share(const caught_sums *s)
     return s->caught / lf_max(s->n, 1.0f);
 }
 
+/* Opens a row of the film and its neighbours. */
+static void open_around(const lf_caught *caught, int row)
+{
+    for (int r = row > 0 ? row - 1 : 0; r <= row + 1 && r < caught->height; r++)
+        lf_film_open(&caught->renderer->film, r);
+}
+
+static void close_around(const lf_caught *caught, int row)
+{
+    for (int r = row > 0 ? row - 1 : 0; r <= row + 1 && r < caught->height; r++)
+        lf_film_close(&caught->renderer->film, r, false);
+}
+
 /* Catcher share of the surrounding pixels that no object covers. */
 static float share_beside(const lf_caught *caught, int row, int view, int column)
 {
@@ -489,9 +502,11 @@ static void smooth_row(void *context, int row, int worker)
     float *out = caught->smooth + (size_t)row * row_pixels(caught);
     (void)worker;
     caught->smoothed[row] = caught->steps[row] > 0;
+    open_around(caught, row);
     for (int view = 0; view < caught->n_views && caught->smoothed[row]; view++)
         for (int column = 0; column < caught->width; column++)
             *out++ = taken_at(caught, row, view, column, reach);
+    close_around(caught, row);
     if (!caught->reflected || !caught->smoothed[row])
         return;
     lf_vec3 *image = caught->mirrored + (size_t)row * row_pixels(caught);
@@ -528,6 +543,7 @@ void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *pictur
     if (caught->steps[row] == 0)
         return;
     smooth = smooth && caught->smoothed[row];
+    lf_film_open(&renderer->film, row);
     for (size_t i = 0; i < row_pixels(caught); i++, s++, picture += 3) {
         if (smooth) {
             lf_catch_take(picture, caught->smooth[first + i], backdrop);
@@ -539,4 +555,5 @@ void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *pictur
         if (caught->reflected && s->caught > 0.0f)
             lf_catch_put(picture, lf_scale(reflection_at(caught, first + i, smooth), own_share(s)));
     }
+    lf_film_close(&renderer->film, row, false);
 }

@@ -40,6 +40,7 @@ static void catch_row(void *context, int row, int worker)
     float *out = job->out + (size_t)row * (size_t)rig->n_views * (size_t)rig->width * 3;
     lf_tracer tracer = {.scene = scene};
     (void)worker;
+    lf_film_open(&renderer->film, near);
     for (int view = 0; view < rig->n_views; view++)
         for (int column = 0; column < rig->width; column++, out += 3) {
             const lf_catch_pixel pixel = lf_catch_pixel_of(renderer, rig, view, row, column);
@@ -50,6 +51,7 @@ static void catch_row(void *context, int row, int worker)
             if (lf_has(scene, LF_TRAIT_REFLECTIONS))
                 lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n));
         }
+    lf_film_close(&renderer->film, near, false);
 }
 
 lf_status lf_renderer_catch(const lf_renderer *renderer, float *picture, const lf_cancel *cancel)
