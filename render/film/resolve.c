@@ -549,7 +549,7 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q)
 {
     lf_tile t;
-    if (!open_row(&t, film, row))
+    if (!open_both(&t, film, row))
         return;
     for (int k = 0; at_tile(&t, k); k++) {
         lf_tile_answers a;

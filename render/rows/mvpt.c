@@ -540,16 +540,16 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
 
 static float over_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pivot, lf_vec3 wi)
 {
-    lf_fan_lobes f;
+    lf_fan_lobes lobes;
+    lf_vec3 f;
     const float sum = fan(visit, view, column, pivot);
     if (lf_is_view_dependent(visit->scene, &pivot->event)) {
         lf_fan_look_back(visit, &pivot->event.hit);
         return lf_fan_unit(visit, pivot) * (float)lf_fan_directions(visit, pivot) *
-               lf_fan_eval(visit, pivot, wi, &f);
+               lf_fan_eval(visit, pivot, wi, &lobes);
     }
     return lf_fan_unit(visit, pivot) * sum * (float)lf_fan_directions(visit, pivot) *
-           lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi,
-                           &f.colour);
+           lf_scatter_eval(visit->scene, &pivot->event, lf_scale(pivot->event.w, -1.0f), wi, &f);
 }
 
 const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
