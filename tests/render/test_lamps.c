@@ -158,9 +158,9 @@ static void light_samples_bring_what_rays_find(void **state)
     assert_share("{'albedo': 0, 'emission': 5, 'alpha': 0.2}", 1, 0.2);
     assert_share("{'albedo': 0, 'emission': 5}", 2, 1.0);
     assert_share("{'albedo': 0, 'emission': 5, 'alpha': 0.2}", 2, 0.2);
-    assert_share(
-        "{'type': 'principled', 'albedo': 1, 'roughness': 0, 'transmission': 1, 'emission': 5}", 1,
-        1.0);
+    assert_share("{'type': 'principled', 'albedo': 1, 'glass': 'sheet', 'roughness': 0, "
+                 "'transmission': 1, 'emission': 5}",
+                 1, 1.0);
     assert_share("{'type': 'principled', 'albedo': 1, 'roughness': 0, 'transmission': 1, "
                  "'emission': 5, 'alpha': 0.5}",
                  1, 0.5);
