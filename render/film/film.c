@@ -575,6 +575,8 @@ static void put_provisional(lf_film *film, int row, const lf_film_sums *sums, do
 void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes)
 {
     lf_film_open(film, row);
+    if (film->packed) /* what an earlier film left in its memory would be packed too */
+        clear_row(film, row);
     put_provisional(film, row, sums, passes);
     lf_film_close(film, row, true);
 }

@@ -32,7 +32,7 @@
 #include "render/transport/surface/surface_sheen.h"
 
 /* Data of a material that all directions share. */
-typedef struct layers {
+typedef struct lf_layers {
     const lf_material *m; /* loss: of the dielectric */
     float alpha, coat_alpha;
     /* shares: of the dielectric, by its own lobes and as rough glass; of metal; of the layer below;
@@ -40,21 +40,21 @@ typedef struct layers {
     float dielectric, glass, metal, below, subsurface;
     bool rough, coated, rough_coat, sheened, apart;
     lf_vec3 coat_axis[3]; /* apart: of the coat's frame, in the base's */
-} layers;
+} lf_layers;
 
 /* The shares for one direction wo, and the probabilities of drawing from each lobe. */
-typedef struct shares {
+typedef struct lf_layer_shares {
     float under;   /* the coat: what the rest gets */
     float beneath; /* the sheen, likewise */
     float enters;  /* loss(cos_o) */
     float several;
     float by_far;                      /* rough glass or subsurface; else … */
     float by_coat, by_gloss, by_sheen; /* … the rest is diffuse */
-} shares;
+} lf_layer_shares;
 
-static inline layers layers_of(const lf_material *m)
+static inline lf_layers lf_layers_of(const lf_material *m)
 {
-    layers l = {.m = m, .alpha = lf_material_alpha(m)};
+    lf_layers l = {.m = m, .alpha = lf_material_alpha(m)};
     l.rough = l.alpha >= LF_ALPHA_MIN;
     l.coated = m->coat > 0.0f;
     l.coat_alpha = m->coat_roughness * m->coat_roughness;
@@ -74,32 +74,32 @@ static inline layers layers_of(const lf_material *m)
     return l;
 }
 
-static inline bool has_far_lobe(const layers *l)
+static inline bool lf_layers_have_far(const lf_layers *l)
 {
     return l->glass > 0.0f || l->subsurface > 0.0f;
 }
 
 /* 1 - E of the dielectric's lobe. */
-static inline float coat_loss(const lf_material *m, float cosine)
+static inline float lf_dielectric_loss(const lf_material *m, float cosine)
 {
     float smooth = m->energy.smooth_scale * lf_coat_transmittance(m->energy.smooth_ior, cosine);
     return 1.0f - m->specular * (1.0f - lf_loss(m, smooth, cosine));
 }
 
 /* 1 - E of the clear coat. */
-static inline float clear_loss(const lf_material *m, float cosine)
+static inline float lf_coat_loss(const lf_material *m, float cosine)
 {
     float a = LF_LOSS_SCALE * m->coat_roughness * m->coat_roughness;
     return lf_loss_by(m->energy.coat_loss, a, lf_coat_transmittance(LF_COAT_INDEX, cosine), cosine);
 }
 
 /* Albedo of the fibres, in their strongest channel. */
-static inline float sheen_share(const lf_material *m, float cosine)
+static inline float lf_layers_sheen(const lf_material *m, float cosine)
 {
     return lf_max3(m->sheen) * lf_sheen_albedo(m->sheen_roughness, cosine);
 }
 
-static inline float metal_several(const lf_material *m, float cosine)
+static inline float lf_layers_several(const lf_material *m, float cosine)
 {
     float loss =
         lf_loss_by(m->energy.metal_loss, LF_LOSS_SCALE * lf_material_alpha(m), 0.0f, cosine);
@@ -107,35 +107,35 @@ static inline float metal_several(const lf_material *m, float cosine)
 }
 
 /* Whether a lobe is not about the base's normal, or not isotropic. */
-static inline bool is_special(const lf_material *m)
+static inline bool lf_layers_are_special(const lf_material *m)
 {
     return lf_is_anisotropic(m) || m->coat_normal.z > 0.0f;
 }
 
-static inline lf_vec3 to_coat(const layers *l, lf_vec3 w)
+static inline lf_vec3 lf_layers_to_coat(const lf_layers *l, lf_vec3 w)
 {
     return lf_to_frame(l->coat_axis[0], l->coat_axis[1], l->coat_axis[2], w);
 }
 
 /* The coat's share along wo, with cos_o to the base: 0 if it is seen from behind. */
-static inline float coat_share(const layers *l, bool special, lf_vec3 wo, float cos_o)
+static inline float lf_layers_coat(const lf_layers *l, bool special, lf_vec3 wo, float cos_o)
 {
     float cosine = special && l->apart ? lf_min(lf_dot(l->coat_axis[2], wo), 1.0f) : cos_o;
     if (special && !(cosine > LF_MIN_COS))
         return 0.0f;
-    return l->m->coat * (1.0f - clear_loss(l->m, cosine));
+    return l->m->coat * (1.0f - lf_coat_loss(l->m, cosine));
 }
 
-static inline __attribute__((always_inline)) shares shares_of(const layers *l, bool special,
-                                                              lf_vec3 wo, float cos_o)
+static inline __attribute__((always_inline)) lf_layer_shares
+lf_layers_shares(const lf_layers *l, bool special, lf_vec3 wo, float cos_o)
 {
     const lf_material *m = l->m;
-    shares s = {.under = 1.0f, .enters = coat_loss(m, cos_o)};
-    float coat = l->coated ? coat_share(l, special, wo, cos_o) : 0.0f,
-          sheen = l->sheened ? sheen_share(m, cos_o) : 0.0f;
+    lf_layer_shares s = {.under = 1.0f, .enters = lf_dielectric_loss(m, cos_o)};
+    float coat = l->coated ? lf_layers_coat(l, special, wo, cos_o) : 0.0f,
+          sheen = l->sheened ? lf_layers_sheen(m, cos_o) : 0.0f;
     s.under = 1.0f - coat;
     s.beneath = 1.0f - sheen;
-    s.several = l->rough ? metal_several(m, cos_o) : 0.0f;
+    s.several = l->rough ? lf_layers_several(m, cos_o) : 0.0f;
     float gloss = l->rough ? l->dielectric * (1.0f - s.enters) + l->metal * m->energy.mean_fresnel
                            : 0.0f,
           diffuse = l->below * s.enters * lf_mean3(m->albedo), base = gloss + diffuse,
@@ -146,7 +146,7 @@ static inline __attribute__((always_inline)) shares shares_of(const layers *l, b
     s.by_sheen = sheen > 0.0f ? (1.0f - s.by_coat) * sheen / sum : 0.0f;
     float rest = 1.0f - s.by_coat - s.by_sheen;
     s.by_gloss = base > 0.0f ? rest * gloss / base : rest * (float)l->rough;
-    if (has_far_lobe(l)) {
+    if (lf_layers_have_far(l)) {
         float far =
                   s.under * s.beneath * (l->glass + l->subsurface * s.enters * lf_mean3(m->albedo)),
               others = (l->rough_coat ? coat : 0.0f) + s.under * sum;
@@ -157,7 +157,8 @@ static inline __attribute__((always_inline)) shares shares_of(const layers *l, b
 
 /* The factor of the GGX lobe that metal and dielectric share: their Fresnel terms at cos_oh with
  * multiple-scattering compensation, without what the coat leaves (`under`). */
-static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_oh)
+static inline lf_vec3 lf_layers_gloss_colour(const lf_layers *l, const lf_layer_shares *s,
+                                             float cos_oh)
 {
     const lf_material *m = l->m;
     float c = lf_max(cos_oh, 0.0f), k = lf_schlick(c),
@@ -172,25 +173,25 @@ static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_o
 }
 
 /* Diffuse light towards wi, without the transmittance of the layers above along wo. */
-static inline lf_vec3 base_colour(const layers *l, float cos_i)
+static inline lf_vec3 lf_layers_base_colour(const lf_layers *l, float cos_i)
 {
     if (!(cos_i > LF_MIN_COS))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    return lf_scale(l->m->albedo,
-                    l->below * LF_INV_PI * cos_i * coat_loss(l->m, cos_i) / l->m->energy.mean_loss);
+    return lf_scale(l->m->albedo, l->below * LF_INV_PI * cos_i * lf_dielectric_loss(l->m, cos_i) /
+                                      l->m->energy.mean_loss);
 }
 
 /* A coat's lobe about its own normal. */
-static inline lf_ggx_lobe coat_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
+static inline lf_ggx_lobe lf_layers_coat_lobe(const lf_layers *l, lf_vec3 wo, lf_vec3 wi)
 {
     if (!l->apart)
         return lf_ggx_eval(l->coat_alpha, wo, wi);
-    lf_vec3 o = to_coat(l, wo);
-    return o.z > LF_MIN_COS ? lf_ggx_eval(l->coat_alpha, o, to_coat(l, wi))
+    lf_vec3 o = lf_layers_to_coat(l, wo);
+    return o.z > LF_MIN_COS ? lf_ggx_eval(l->coat_alpha, o, lf_layers_to_coat(l, wi))
                             : (lf_ggx_lobe){.cos_oh = 1.0f};
 }
 
-static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
+static inline lf_ggx_lobe lf_layers_gloss_lobe(const lf_layers *l, lf_vec3 wo, lf_vec3 wi)
 {
     return lf_is_anisotropic(l->m) ? lf_anisotropic_eval(&l->m->anisotropic, wo, wi)
                                    : lf_ggx_eval(l->alpha, wo, wi);
@@ -198,16 +199,17 @@ static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
 
 /* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that common materials have
  * no branch for special ones. */
-static inline __attribute__((always_inline)) float eval_lobes(const layers *l, const shares *s,
-                                                              bool special, lf_vec3 base,
-                                                              lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+static inline __attribute__((always_inline)) float
+lf_layers_eval_lobes(const lf_layers *l, const lf_layer_shares *s, bool special, lf_vec3 base,
+                     lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float cosine = wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f,
           pdf = (1.0f - s->by_coat - s->by_sheen - s->by_gloss) * cosine;
     *f = lf_scale(base, s->enters);
     if (l->rough) {
-        lf_ggx_lobe lobe = special ? gloss_lobe(l, wo, wi) : lf_ggx_eval(l->alpha, wo, wi);
-        *f = lf_madd(*f, lobe.f, gloss_colour(l, s, lobe.cos_oh));
+        lf_ggx_lobe lobe =
+            special ? lf_layers_gloss_lobe(l, wo, wi) : lf_ggx_eval(l->alpha, wo, wi);
+        *f = lf_madd(*f, lobe.f, lf_layers_gloss_colour(l, s, lobe.cos_oh));
         pdf += s->by_gloss * lobe.pdf;
     }
     if (l->sheened) {
@@ -217,7 +219,8 @@ static inline __attribute__((always_inline)) float eval_lobes(const layers *l, c
     }
     *f = lf_scale(*f, s->under);
     if (l->rough_coat) {
-        lf_ggx_lobe lobe = special ? coat_lobe(l, wo, wi) : lf_ggx_eval(l->coat_alpha, wo, wi);
+        lf_ggx_lobe lobe =
+            special ? lf_layers_coat_lobe(l, wo, wi) : lf_ggx_eval(l->coat_alpha, wo, wi);
         float k =
             l->m->coat * lobe.f * lf_fresnel_dielectric(lf_max(lobe.cos_oh, 0.0f), LF_COAT_INDEX);
         *f = lf_add(*f, lf_v3(k, k, k));
@@ -226,16 +229,17 @@ static inline __attribute__((always_inline)) float eval_lobes(const layers *l, c
     return pdf;
 }
 
-static inline float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+static inline float lf_layers_eval(const lf_layers *l, const lf_layer_shares *s, lf_vec3 wo,
+                                   lf_vec3 wi, lf_vec3 *f)
 {
-    lf_vec3 base = base_colour(l, wi.z);
-    return is_special(l->m) ? eval_lobes(l, s, true, base, wo, wi, f)
-                            : eval_lobes(l, s, false, base, wo, wi, f);
+    lf_vec3 base = lf_layers_base_colour(l, wi.z);
+    return lf_layers_are_special(l->m) ? lf_layers_eval_lobes(l, s, true, base, wo, wi, f)
+                                       : lf_layers_eval_lobes(l, s, false, base, wo, wi, f);
 }
 
 /* Adds rough glass, or light that enters subsurface, to the other lobes; returns the pdf of all. */
-static inline float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, float pdf,
-                            lf_vec3 *f)
+static inline float lf_layers_add_far(const lf_layers *l, const lf_layer_shares *s, lf_vec3 wo,
+                                      lf_vec3 wi, float pdf, lf_vec3 *f)
 {
     float share = s->under * s->beneath, own = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f;
     lf_vec3 through = lf_v3(own, own, own);
@@ -246,10 +250,11 @@ static inline float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec
 }
 
 /* Light that leaves subsurface, towards wi from any wo inside. */
-static inline float leave(const lf_material *m, lf_vec3 wi, lf_vec3 *f)
+static inline float lf_layers_leave(const lf_material *m, lf_vec3 wi, lf_vec3 *f)
 {
     float pdf = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f,
-          out = pdf > 0.0f ? pdf * coat_loss(m, lf_min(-wi.z, 1.0f)) / m->energy.mean_loss : 0.0f;
+          out = pdf > 0.0f ? pdf * lf_dielectric_loss(m, lf_min(-wi.z, 1.0f)) / m->energy.mean_loss
+                           : 0.0f;
     *f = lf_v3(out, out, out);
     return pdf;
 }

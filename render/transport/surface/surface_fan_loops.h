@@ -109,7 +109,7 @@ static void plastic(const lf_material *m, lf_vec3 wi, int n, const float *x, con
 
 /* ------------------------------------------------------------------------------------ layers -- */
 
-static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o[3],
+static void add_far_fan(const lf_layers *l, lf_vec3 wi, int n, const float *const o[3],
                         lf_fan_lobes *out)
 {
     for (int k = 0; k < n; k++) {
@@ -117,31 +117,32 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
         if (!(o[2][k] > LF_MIN_COS) && !lf_is_way_out(l->m))
             continue;
         lf_vec3 wo = lf_v3(o[0][k], o[1][k], lf_min(o[2][k], 1.0f));
-        shares s = shares_of(l, is_special(l->m), wo, wo.z);
-        out->pdf[k] =
-            lf_is_way_out(l->m) ? leave(l->m, wi, &f) : add_far(l, &s, wo, wi, out->pdf[k], &f);
+        lf_layer_shares s = lf_layers_shares(l, lf_layers_are_special(l->m), wo, wo.z);
+        out->pdf[k] = lf_is_way_out(l->m) ? lf_layers_leave(l->m, wi, &f)
+                                          : lf_layers_add_far(l, &s, wo, wi, out->pdf[k], &f);
         out->f[0][k] = f.x;
         out->f[1][k] = f.y;
         out->f[2][k] = f.z;
     }
 }
 
-/* eval_local for all directions of a fan. Inline, with layers whose flags the
- * caller knows, so that no branches remain and the compiler vectorises it. */
-static inline __attribute__((always_inline)) void fan_of(layers l, bool special, lf_vec3 wi, int n,
-                                                         const float *x, const float *y,
+/* lf_layers_eval for all directions of a fan. Inline, with layers whose flags the caller knows, so
+ * that no branches remain and the compiler vectorises it. */
+static inline __attribute__((always_inline)) void fan_of(lf_layers l, bool special, lf_vec3 wi,
+                                                         int n, const float *x, const float *y,
                                                          const float *z, lf_fan_lobes *out)
 {
     float *restrict pdf = out->pdf, *restrict red = out->f[0], *restrict green = out->f[1],
                     *restrict blue = out->f[2];
-    const lf_vec3 base = base_colour(&l, wi.z);
+    const lf_vec3 base = lf_layers_base_colour(&l, wi.z);
 #pragma GCC ivdep /* GCC forgets restrict when a function is inlined */
     for (int k = 0; k < n; k++) {
         float cos_o = lf_min(lf_max(z[k], LF_MIN_COS), 1.0f),
               above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
         lf_vec3 f;
-        shares s = shares_of(&l, special, lf_v3(x[k], y[k], cos_o), cos_o);
-        pdf[k] = above * eval_lobes(&l, &s, special, base, lf_v3(x[k], y[k], cos_o), wi, &f);
+        lf_layer_shares s = lf_layers_shares(&l, special, lf_v3(x[k], y[k], cos_o), cos_o);
+        pdf[k] =
+            above * lf_layers_eval_lobes(&l, &s, special, base, lf_v3(x[k], y[k], cos_o), wi, &f);
         red[k] = above * f.x;
         green[k] = above * f.y;
         blue[k] = above * f.z;
@@ -149,10 +150,10 @@ static inline __attribute__((always_inline)) void fan_of(layers l, bool special,
 }
 
 /* fan_of for the most common surfaces: a rough base, a rough coat or none. */
-static void fan_of_gloss(const layers *of, lf_vec3 wi, int n, const float *x, const float *y,
+static void fan_of_gloss(const lf_layers *of, lf_vec3 wi, int n, const float *x, const float *y,
                          const float *z, lf_fan_lobes *out)
 {
-    layers l = *of;
+    lf_layers l = *of;
     l.glass = l.subsurface = 0.0f; /* separate lobes, added later */
     l.rough = true;
     l.sheened = l.apart = l.coated = l.rough_coat = false;
@@ -166,14 +167,14 @@ static void fan_of_gloss(const layers *of, lf_vec3 wi, int n, const float *x, co
 static void principled(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
                        const float *z, lf_fan_lobes *out)
 {
-    const layers l = layers_of(m);
-    if (is_special(m))
+    const lf_layers l = lf_layers_of(m);
+    if (lf_layers_are_special(m))
         fan_of(l, true, wi, n, x, y, z, out);
     else if (l.rough && l.coated == l.rough_coat && !l.sheened)
         fan_of_gloss(&l, wi, n, x, y, z, out);
     else
         fan_of(l, false, wi, n, x, y, z, out);
-    if (has_far_lobe(&l) || lf_is_way_out(m))
+    if (lf_layers_have_far(&l) || lf_is_way_out(m))
         add_far_fan(&l, wi, n, (const float *[3]){x, y, z}, out);
 }
 

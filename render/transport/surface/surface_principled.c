@@ -12,13 +12,13 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     lf_tangents(ns, &t, &b);
     lf_vec3 o = lf_to_frame(t, b, ns, wo), i = lf_to_frame(t, b, ns, wi);
     if (lf_is_way_out(m))
-        return leave(m, i, f);
+        return lf_layers_leave(m, i, f);
     if (!(cos_o > LF_MIN_COS))
         return 0.0f;
-    layers l = layers_of(m);
-    shares s = shares_of(&l, is_special(m), o, lf_min(cos_o, 1.0f));
-    float pdf = eval_local(&l, &s, o, i, f);
-    return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
+    lf_layers l = lf_layers_of(m);
+    lf_layer_shares s = lf_layers_shares(&l, lf_layers_are_special(m), o, lf_min(cos_o, 1.0f));
+    float pdf = lf_layers_eval(&l, &s, o, i, f);
+    return lf_layers_have_far(&l) ? lf_layers_add_far(&l, &s, o, i, pdf, f) : pdf;
 }
 
 /* Malley's cosine, on the other side. */
@@ -28,10 +28,10 @@ static lf_vec3 inwards(const float u[3])
     return lf_v3(w.x, w.y, -w.z);
 }
 
-static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3])
+static lf_vec3 draw(const lf_layers *l, const lf_layer_shares *s, lf_vec3 o, const float u[3])
 {
     float by = u[2];
-    if (has_far_lobe(l)) {
+    if (lf_layers_have_far(l)) {
         if (by < s->by_far)
             return l->glass > 0.0f
                        ? lf_glass_sample(l->m, o, (const float[3]){u[0], u[1], by / s->by_far})
@@ -40,7 +40,7 @@ static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3
     }
     if (by < s->by_coat && l->apart)
         return lf_from_frame(l->coat_axis[0], l->coat_axis[1], l->coat_axis[2],
-                             lf_ggx_sample(l->coat_alpha, to_coat(l, o), u[0], u[1]));
+                             lf_ggx_sample(l->coat_alpha, lf_layers_to_coat(l, o), u[0], u[1]));
     if (by < s->by_coat)
         return lf_ggx_sample(l->coat_alpha, o, u[0], u[1]);
     if (by < s->by_coat + s->by_gloss)
@@ -59,16 +59,16 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
     *f = lf_v3(0.0f, 0.0f, 0.0f);
     if (lf_is_way_out(m)) {
         *wi = lf_from_frame(t, b, ns, inwards(u));
-        return leave(m, inwards(u), f);
+        return lf_layers_leave(m, inwards(u), f);
     }
     if (!(o.z > LF_MIN_COS))
         return 0.0f;
-    layers l = layers_of(m);
-    shares s = shares_of(&l, is_special(m), o, lf_min(o.z, 1.0f));
+    lf_layers l = lf_layers_of(m);
+    lf_layer_shares s = lf_layers_shares(&l, lf_layers_are_special(m), o, lf_min(o.z, 1.0f));
     lf_vec3 i = draw(&l, &s, o, u);
     *wi = lf_from_frame(t, b, ns, i);
-    float pdf = eval_local(&l, &s, o, i, f);
-    return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
+    float pdf = lf_layers_eval(&l, &s, o, i, f);
+    return lf_layers_have_far(&l) ? lf_layers_add_far(&l, &s, o, i, pdf, f) : pdf;
 }
 
 /* ------------------------------------------------------------------------------------ deltas -- */
@@ -82,12 +82,12 @@ static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float co
 }
 
 /* Transmission through glass, the light that its face does not reflect: along *out_wi. */
-static lf_vec3 transmitted(const layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
+static lf_vec3 transmitted(const lf_layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                            lf_vec3 *out_wi)
 {
     const lf_material *m = l->m;
     float cos_o = lf_min(lf_dot(ns, wo), 1.0f),
-          enters = l->rough ? coat_loss(m, cos_o)
+          enters = l->rough ? lf_dielectric_loss(m, cos_o)
                             : 1.0f - m->specular * lf_glass_reflectance(m, !front, cos_o);
     *out_wi = lf_scale(wo, -1.0f);
     if ((m->is_solid && !lf_refract(ns, wo, front ? m->ior : 1.0f / m->ior, out_wi)) ||
@@ -104,7 +104,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     if (!m->has_delta || !(cos_o > LF_MIN_COS) || (!front && m->subsurface > 0.0f))
         return 0;
     front = m->glass.is_parting ? !m->glass.is_inside : front;
-    layers l = layers_of(m);
+    lf_layers l = lf_layers_of(m);
     /* with a coat normal of its own, the base or the coat itself is not a mirror */
     lf_vec3 shiny = ns;
     float cos_coat = cos_o;
@@ -116,9 +116,9 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
         cos_coat = lf_min(lf_dot(own, wo), 1.0f);
     }
     if (l.coated && cos_coat > LF_MIN_COS)
-        coat = m->coat * (l.rough_coat ? 1.0f - clear_loss(m, cos_coat)
+        coat = m->coat * (l.rough_coat ? 1.0f - lf_coat_loss(m, cos_coat)
                                        : lf_fresnel_dielectric(cos_coat, LF_COAT_INDEX));
-    float beneath = (1.0f - coat) * (l.sheened ? 1.0f - sheen_share(m, cos_o) : 1.0f);
+    float beneath = (1.0f - coat) * (l.sheened ? 1.0f - lf_layers_sheen(m, cos_o) : 1.0f);
     lf_vec3 mirrored = l.rough_coat ? lf_v3(0.0f, 0.0f, 0.0f) : lf_v3(coat, coat, coat);
     if (!l.rough)
         mirrored = lf_madd(mirrored, beneath,
