@@ -183,13 +183,16 @@ static void sample_chunk(void *context, int item, int worker)
 
 /* Sums over pixels; variances are relative. */
 typedef struct tally {
-    double between, edge, light, direction[ROULETTES], other[ROULETTES];
+    double between, between_squares; /* of the pixels' shares of it */
+    double edge, light, direction[ROULETTES], other[ROULETTES];
     double light_rays, rays[ROULETTES], other_rays[ROULETTES], pivots, others;
 } tally;
 
 static void add(tally *sum, const pixel_sample *pixel, double weight)
 {
-    sum->between += weight * (double)pixel->between;
+    const double between = weight * (double)pixel->between;
+    sum->between += between;
+    sum->between_squares += between * between;
     sum->edge += weight * (double)pixel->edge;
     sum->light += weight * (double)pixel->light;
     sum->light_rays += (double)pixel->light_rays;
@@ -237,10 +240,13 @@ static double gain(const piloting *p, const tally *sum, const lf_splitting *from
     return after > 0.0 ? before / after : 1.0;
 }
 
-/* Whether a choice is clearly better than one suffix. */
+/* Whether a choice is clearly better than one suffix, even if pivots differ by a standard error
+ * more than found: the noise of their suffixes hides what is between them. */
 static bool is_clear(const piloting *p, const tally sums[GROUPS + 1], const lf_splitting *chosen)
 {
-    bool clear = gain(p, &sums[GROUPS], &LF_SPLITTING_NONE, chosen) > CLEAR_GAIN;
+    tally all = sums[GROUPS];
+    all.between = fmax(all.between, 0.0) + sqrt(all.between_squares);
+    bool clear = gain(p, &all, &LF_SPLITTING_NONE, chosen) > CLEAR_GAIN;
     for (int i = 0; i < GROUPS; i++)
         clear = clear && gain(p, &sums[i], &LF_SPLITTING_NONE, chosen) > 1.0;
     return clear;
