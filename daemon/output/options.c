@@ -38,7 +38,12 @@ const char *lf_denoise_name(int index)
 
 static const char *const exposures[] = {"auto", "scene", NULL};
 static const char *const light_paths[] = {"auto", "none", NULL};
-static const char *const suffixes[] = {"auto", NULL};
+static const char *const suffixes[] = {"auto", "1", "2", "4", "8"};
+
+static const char *suffixes_at(int index)
+{
+    return index < (int)(sizeof suffixes / sizeof *suffixes) ? suffixes[index] : NULL;
+}
 
 /* Of reference modes --help has only the names. */
 static const char *sharing_at(int index)
@@ -93,10 +98,9 @@ const lf_param lf_option_params[] = {
      .has = offsetof(lf_options, tracing.has_light_paths), .low = 1, .high = LF_LIGHT_PATHS_MOST,
      .words = light_paths,
      .help = "paths traced from lights, for each pass; auto: as the scene needs (auto)"},
-    {.option = "suffixes", .argument = "auto|N", PLACE(tracing.suffixes),
-     .has = offsetof(lf_options, tracing.has_suffixes), .low = 1, .high = LF_SUFFIXES_MOST,
-     .words = suffixes,
-     .help = "paths per point of a diffuse surface: 1, 2, 4, 8; auto: as needed (auto)"},
+    {.option = "suffixes", .argument = "auto|1|2|4|8", PLACE(tracing.suffixes),
+     .type = LF_PARAM_WORD, .word_at = suffixes_at,
+     .help = "paths per point of a diffuse surface; auto: as needed"},
     {.option = "skip", .argument = "all|none|LIST", PLACE(tracing.skip),
      .has = offsetof(lf_options, tracing.has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
      .help = "optimisations to use where the scene allows them (all)"},
@@ -356,12 +360,18 @@ static int light_paths_of(const lf_options *options)
 /* lf_render_settings.suffixes. */
 static int suffixes_of(const lf_options *options)
 {
-    if (!options->tracing.has_suffixes)
+    const int word = options->tracing.suffixes;
+    if (word == 0)
         return options->tracing.offline ? LF_SUFFIXES_AUTO : 0;
-    if (isinf(options->tracing.suffixes))
-        return LF_SUFFIXES_AUTO;
-    const int n = (int)lround(options->tracing.suffixes);
-    return n > 1 ? n : 0;
+    return word > 1 ? 1 << (word - 1) : 0;
+}
+
+int lf_suffixes_word(int n)
+{
+    for (int word = 2; word < (int)(sizeof suffixes / sizeof *suffixes); word++)
+        if (n == 1 << (word - 1))
+            return word;
+    return n == LF_SUFFIXES_AUTO ? 0 : 1;
 }
 
 lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
@@ -382,8 +392,6 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
                     options->guides,
     };
     lf_layout layout = {0};
-    if (settings.suffixes > 0 && (settings.suffixes & (settings.suffixes - 1)) != 0)
-        return lf_error_set(err, LF_E_ARG, "--suffixes", "must be auto, 1, 2, 4 or 8");
     resolve_camera(options, camera, calibration, &settings.camera);
     if (settings.camera.n_rows > 0 && options->views > 0)
         return lf_error_set(

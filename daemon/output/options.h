@@ -59,11 +59,10 @@ typedef struct lf_import_options {
 typedef struct lf_tracing_options {
     bool has_skip;        /* it was given */
     bool has_light_paths; /* it was given */
-    bool has_suffixes;    /* it was given */
     bool offline;         /* light paths and suffixes are chosen unless given */
     unsigned skip;        /* bits of lf_skip */
     double light_paths;   /* a number of paths; INFINITY: auto, -INFINITY: none */
-    double suffixes;      /* a number; INFINITY: auto */
+    int suffixes;         /* lf_suffixes_word; zero is auto, the default */
 } lf_tracing_options;
 
 /* Values of the shared options. Zero and NULL mean "not given" unless stated. Zeroed is a valid
@@ -105,6 +104,9 @@ extern const lf_param lf_option_params[];
 #define LF_OPTIONS_RENDER                                                                          \
     "integrator estimator sampler max-depth skip threads seed denoise reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
+
+/* The value of --suffixes, of auto, 1, 2, 4 and 8 from 0 on, for lf_render_settings.suffixes. */
+int lf_suffixes_word(int n);
 
 /* Applies options->import to the file readers (lf_import_limit). */
 void lf_options_limit_import(const lf_options *options);

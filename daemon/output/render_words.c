@@ -88,8 +88,7 @@ void lf_render_words_settings(lf_render_words *words, const lf_render_settings *
         .tracing.has_light_paths = settings->light_paths != LF_LIGHT_PATHS_AUTO,
         .tracing.light_paths =
             settings->light_paths > 0 ? settings->light_paths : (double)-INFINITY,
-        .tracing.has_suffixes = settings->suffixes != LF_SUFFIXES_AUTO,
-        .tracing.suffixes = settings->suffixes > 0 ? settings->suffixes : 1,
+        .tracing.suffixes = lf_suffixes_word(settings->suffixes),
         .tracing.has_skip = settings->skip != LF_SKIP_ALL,
         .tracing.skip = settings->skip,
         .denoise = denoise ? LF_DENOISE_ON : LF_DENOISE_OFF};

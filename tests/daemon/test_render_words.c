@@ -47,7 +47,8 @@ static void settings_come_back(void **state)
     assert_int_equal(options.max_depth, 7);
     assert_int_equal(options.tracing.skip, settings.skip);
     assert_true(options.tracing.has_light_paths && options.tracing.light_paths == 300);
-    assert_true(options.tracing.has_suffixes && options.tracing.suffixes == 4);
+    assert_int_equal(options.tracing.suffixes, lf_suffixes_word(4));
+    assert_int_equal(lf_suffixes_word(4), 3);
     assert_int_equal(options.estimator, LF_ESTIMATOR_CV);
     assert_int_equal(options.denoise, LF_DENOISE_OFF);
     assert_false(words.failed);
