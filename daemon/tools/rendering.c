@@ -530,7 +530,7 @@ static lf_status put_stats(const char *path, const json_t *object, lf_error *err
     return status;
 }
 
-lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
+lf_status lf_rendering_write_stats(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_views32 *v32 = &r->quilt.views32;
@@ -549,7 +549,11 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
         .threads = lf_pool_threads(r->pool),
         .times = r->times,
     };
+    lf_progress_line_clear(&r->line);
+    if (r->renderer)
+        lf_progress_line_draw(&r->line, "measuring errors");
     json_t *object = lf_render_report_json(&report);
+    lf_progress_line_clear(&r->line);
     const lf_status status = put_stats(a->stats, object, err);
     json_decref(object);
     return status;

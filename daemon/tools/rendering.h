@@ -201,8 +201,8 @@ void lf_rendering_state_stays(lf_rendering *r, const char *path, const lf_error 
 LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);
 /* Writes the rendered or drawn output to r->path. */
 LF_NODISCARD lf_status lf_rendering_write(lf_rendering *r, lf_error *err);
-/* Writes the file of --stats. */
-LF_NODISCARD lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err);
+/* Measures errors and writes the file of --stats. */
+LF_NODISCARD lf_status lf_rendering_write_stats(lf_rendering *r, lf_error *err);
 /* Renders and writes all frames of a sequence whose files do not exist. To be called after
  * lf_rendering_open. */
 LF_NODISCARD lf_status lf_rendering_frames(lf_rendering *r, lf_error *err);
