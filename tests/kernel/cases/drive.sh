@@ -131,5 +131,6 @@ fact "and refuses the stick" denied STICK
 fact "nothing was written to the drive" cmp before.img panel.img
 fact "the service stops" succeeds systemctl stop quiltd
 kill $ours $other
+drive_unplug
 sim_stop
 finish
