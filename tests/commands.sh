@@ -50,7 +50,7 @@ for word in "$@"; do
 done
 case $1 in photos/ | photo.jpg | *_qs*.png | *_rgbd.png | holiday.jpg | album/) size=1 length=1 ;; esac # a finished image
 case "$program $1" in
-quiltd\ *) arguments+=(--threads 1) && [ -n "$device" ] || arguments+=(--device sim:panel) ;;
+quiltd\ *) arguments+=(--threads 1 --target-error 0.5) && [ -n "$device" ] || arguments+=(--device sim:panel) ;;
 quiltrender\ *) [ -n "$length" ] || arguments+=(--passes 1) ;;
 quiltsim\ *) arguments+=(--listen 0) size=1 ;;
 quiltbench\ curve) arguments+=(--reference-spp 2) size=1 ;;
