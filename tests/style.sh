@@ -334,13 +334,11 @@ isa_globals() {
             /^[0-9a-f]+ +g/ && ++n > 1 { print o, $NF, "(a second name)" }'
     done
 }
-# A file that uses wide registers of AVX clears their upper halves before it returns: code behind it would run at half its speed. The
-# sanitizers keep loops from becoming vectors, and a file of such loops alone uses none.
+# A file of AVX uses wide registers, and clears their upper halves before it returns: code behind it would run at half its speed.
 without_vzeroupper() { # objects
     local o
     for o in "$@"; do
-        [ ! -e "$o" ] || objdump -d --no-show-raw-insn "$o" |
-            awk -v o="$o" '/%[yz]mm/ { wide = 1 } /vzeroupper/ { cleared = 1 } END { if (wide && !cleared) print o }'
+        [ ! -e "$o" ] || objdump -d --no-show-raw-insn "$o" | grep -qm 1 vzeroupper || echo "$o"
     done
 }
 # Files of a folder call each other in one direction: of two of them at most one calls the other, by whatever way. hello lists the
